@@ -213,47 +213,42 @@ fn vesicles_have_the_energies_of_theory() {
     }
 }
 
-/// Long prolates that start from ellipsoids of their reduced volume either have the energies of Seifert,
-/// Berndl and Lipowsky, or end with a remedy; Loop's method reaches the longest.
+/// Long prolates that start from ellipsoids of their reduced volume: triangles between the ends and the middle
+/// become too narrow for methods A and Jülicher, which say so and name Loop's method. It reaches the energy of
+/// Seifert, Berndl and Lipowsky.
 #[test]
-fn long_prolates_have_the_energies_of_theory_or_a_remedy() {
-    for (reduced, shape, expected, methods) in [
-        (
-            0.651,
-            "ellipsoid:0.5216,0.5216,2.3932",
-            1.8238,
-            ["gompper-kroll"].as_slice(),
-        ),
-        (
-            0.6,
-            "ellipsoid:0.478,0.478,2.6259",
-            2.0603,
-            &["juelicher", "loop"],
-        ),
+fn only_loop_reaches_the_longest_prolates_and_others_name_it() {
+    let shapes = [
+        (0.651, "ellipsoid:0.5216,0.5216,2.3932", 1.8238),
+        (0.6, "ellipsoid:0.478,0.478,2.6259", 2.0603),
+    ];
+    for (method, (reduced, shape, theory)) in [
+        ("gompper-kroll", shapes[0]),
+        ("juelicher", shapes[1]),
+        ("loop", shapes[1]),
     ] {
-        for method in methods {
-            let changes = [
-                format!("surface.0.shape={shape}"),
-                format!("surface.0.volume.reduced={reduced}"),
-                format!("surface.0.bending.method={method}"),
-            ];
-            let changes = changes.each_ref().map(String::as_str);
-            let (summary, table, _folder) = run_shipped("vesicle-prolate-0.8", &changes);
-            let energy = *table
-                .column("energy")
-                .expect("energy")
-                .last()
-                .expect("rows");
-            let what = format!("{reduced}, {method}: {}", summary.message);
-            if summary.end == End::Converged {
-                let ratio = energy / (8.0 * PI * expected);
-                assert!((ratio - 1.0).abs() < 0.01, "{what}, {ratio}");
-            } else {
-                let remedy =
-                    "choose the bending method \"loop\" on a mesh of the family \"relaxed\"";
-                assert_ne!(*method, "loop", "{what}");
-                assert!(summary.message.contains(remedy), "{what}");
-            }
+        let changes = [
+            format!("surface.0.shape={shape}"),
+            format!("surface.0.volume.reduced={reduced}"),
+            format!("surface.0.bending.method={method}"),
+        ];
+        let changes = changes.each_ref().map(String::as_str);
+        let (summary, table, _folder) = run_shipped("vesicle-prolate-0.8", &changes);
+        let last = |column: &str| *table.column(column).expect(column).last().expect("rows");
+        let what = format!("{reduced}, {method}: {}", summary.message);
+        let energy = last("energy") / (8.0 * PI);
+        tolerance::HELD.assert(last("reduced_volume"), reduced, reduced, &what);
+        if method == "loop" {
+            assert_eq!(summary.end, End::Converged, "{what}");
+            tolerance::VESICLE_ENERGY.assert(energy, theory, theory, &what);
+        } else {
+            let remedy = "choose the bending method \"loop\" on a mesh of the family \"relaxed\"";
+            assert_eq!(summary.end, End::Failed, "{what}");
+            assert!(what.contains("has become too narrow"), "{what}");
+            assert!(what.contains(remedy), "{what}");
+            // The state that is kept is no equilibrium.
+            let off = (energy / theory - 1.0).abs();
+            assert!(off > tolerance::VESICLE_ENERGY.value, "{what}, {energy}");
         }
     }
 }
@@ -383,31 +378,60 @@ fn energies_on_flagged_vertices_are_no_equilibrium() {
     assert!(warning.starts_with("from iteration 0: "), "{warning}");
 }
 
-/// The oblate is nearly stationary for a while, so that the energy passes its value.
+/// On its way to the prolate, the triaxial vesicle passes the stationary oblate, of energy 1.2179 · 8πκ
+/// according to Seifert, Berndl and Lipowsky: forces are least there, and grow when the unstable mode takes over.
 #[test]
-fn the_unstable_oblate_is_left() {
+fn the_unstable_oblate_is_approached_and_left() {
+    let (oblate, prolate) = (1.2179, 1.1896);
     let (_, table) = &*UNSTABLE;
-    let energies = table.column("energy").expect("energy");
-    let reduced = energies.iter().skip(1).map(|energy| energy / (8.0 * PI));
-    let near = reduced
-        .filter(|energy| (1.205..1.225).contains(energy))
-        .count();
-    assert!(near >= 5, "{energies:?}");
+    let column = |name: &str| table.column(name).expect(name);
+    let energies = column("energy").into_iter();
+    let energies = Vec::from_iter(energies.map(|energy| energy / (8.0 * PI)));
+    let residuals = column("residual");
+    let between = 0.5 * (oblate + prolate);
+    let left = energies.iter().position(|&energy| energy < between);
+    let left = left.expect("an energy below that of the oblate");
+    let approach = &residuals[..left];
+    let nearest = (0..left).min_by(|&a, &b| approach[a].total_cmp(&approach[b]));
+    let nearest = nearest.expect("a row before");
+    tolerance::VESICLE_ENERGY.assert(energies[nearest], oblate, oblate, "the nearest row");
+    let most = |rows: &[f64]| rows.iter().copied().fold(0.0, f64::max);
+    let least = approach[nearest];
+    assert!(most(&approach[..nearest]) > 5.0 * least, "{residuals:?}");
+    assert!(most(&residuals[nearest..]) > 10.0 * least, "{residuals:?}");
 }
 
-/// Line tension contracts the border between two domains of a mesh file, and the energy never increases.
+/// Central differences of energies over ±0.1 of a tension of 3, relative.
+const BORDER_LENGTH: Tolerance = Tolerance::new(
+    1e-4,
+    "a third derivative times the squared step, and energies to the accepted residual: found 1e-5",
+);
+
+/// Line tension Λ contracts the border between two domains of a mesh file. In equilibrium dE/dΛ is the length of
+/// the border: E is stationary with respect to the shape, and depends on Λ through the term Λ ℓ alone.
 #[test]
 fn a_border_contracts_to_its_equilibrium() {
-    let (summary, table, _folder) = run_shipped("two-domains", &[]);
-    assert_eq!(summary.end, End::Converged, "{}", summary.message);
-    let energies = table.column("energy").expect("energy");
-    assert!(energies.len() > 10, "{energies:?}");
-    assert!(
-        energies.is_sorted_by(|before, after| after <= before),
-        "{energies:?}"
-    );
-    let border = table.column("energy_border_tension").expect("a border");
-    assert!(border.last() < border.first(), "{border:?}");
+    let [below, (energy, lengths), above] = [2.9, 3.0, 3.1].map(|tension| {
+        let change = format!("surface.0.border_tension.value={tension}");
+        let (summary, table, _folder) = run_shipped("two-domains", &[&change]);
+        assert_eq!(summary.end, End::Converged, "{}", summary.message);
+        let energies = table.column("energy").expect("energy");
+        assert!(energies.len() > 10, "{energies:?}");
+        assert!(
+            energies.is_sorted_by(|before, after| after <= before),
+            "{energies:?}"
+        );
+        let border = table.column("energy_border_tension").expect("a border");
+        let lengths = Vec::from_iter(border.into_iter().map(|energy| energy / tension));
+        (energies[energies.len() - 1], lengths)
+    });
+    let [first, last] = [lengths[0], lengths[lengths.len() - 1]];
+    let slope = (above.0 - below.0) / 0.2;
+    BORDER_LENGTH.assert(slope, last, last, &format!("dE/dΛ at E = {energy}"));
+    assert!(last < 0.95 * first, "{first} {last}");
+    // A larger tension holds a shorter border.
+    let [below, above] = [below, above].map(|(_, lengths)| lengths[lengths.len() - 1]);
+    assert!(above < last && last < below, "{below} {last} {above}");
 }
 
 /// The largest distance of a vertex from the axis of a vesicle along z, in slices of its height from one pole to

@@ -258,6 +258,35 @@ fn points_know_in_which_surface_they_are() {
     assert!(found == expected);
 }
 
+/// Points on one side of a body a twentieth of an edge thick are near the midpoints of edges on the other side,
+/// whose contribution has the opposite sign and is replaced by solid angles.
+#[test]
+fn points_know_on_which_side_of_a_thin_body_they_are() {
+    let sphere = icosphere(2);
+    let thin = 0.05 * sphere.edge_length();
+    let pancake = sphere.map(|[x, y, z]| [x, y, 0.5 * thin * z]);
+    let inside = 0.1;
+    let mut double = DoubleLayer::new([&pancake.connectivity], &[inside], ONE);
+    double.set_positions(&pancake.positions);
+    let (mut points, mut expected) = (Vec::new(), Vec::new());
+    for &triangle in pancake.connectivity.triangles() {
+        let [a, b, c] = triangle.map(|v| pancake.positions[v as usize]);
+        let normal = cross(difference(b, a), difference(c, a));
+        for [p, q, r] in [[0.2, 0.5, 0.3], [0.48, 0.48, 0.04]] {
+            for (gap, ratio) in [(1e-9, 1.0), (1e-4 * thin, 1.0), (-1e-9, inside)] {
+                let step = scaled(gap / norm(normal), normal);
+                points.push(std::array::from_fn(|k| {
+                    p * a[k] + q * b[k] + r * c[k] + step[k]
+                }));
+                expected.push(ratio);
+            }
+        }
+    }
+    let mut found = vec![0.0; points.len()];
+    double.viscosity_ratios(&points, &mut found);
+    assert!(found == expected);
+}
+
 #[test]
 fn a_uniform_pull_is_a_step_of_the_pressure() {
     let points = [0.0, 0.6, 0.95, 1.05, 1.4, 3.0].map(|r| scaled(r / norm(U), U));

@@ -3,7 +3,13 @@
 use crate::{between, cells, everything, lattice, periodic, scattered, stirred, unit};
 use helfrich_std::flow::lattice_boltzmann::{Node, Setup, Sides};
 use helfrich_tests::meshes::{Mesh, SplitMix64};
-use helfrich_tests::tolerance;
+use helfrich_tests::tolerance::{self, Tolerance};
+
+/// Pressures of fluid at rest, relative to the rise from node to node.
+const HYDROSTATIC: Tolerance = Tolerance::new(
+    1e-9,
+    "rounding of densities near 1, of which the rise is 3e-4; sound has decayed to e⁻⁹⁰",
+);
 
 /// A linear flow is interpolated exactly up to the walls, where it has their velocity.
 #[test]
@@ -48,6 +54,27 @@ fn flow_between_plates_is_read_off_anywhere() {
             let mut point = [3.3, 2.8, 4.0];
             point[axis] = height;
             assert_eq!(lattice.fluid_at(point), None, "{height}");
+        }
+    }
+}
+
+/// Fluid at rest between walls under a force per volume g toward the higher wall: the pressure rises by g from
+/// node to node, and its mean, of the initial density, is 0.
+#[test]
+fn fluid_at_rest_has_the_pressure_of_its_weight() {
+    let (width, weight) = (8, 1e-4);
+    for axis in 0..3 {
+        let mut size = [2; 3];
+        size[axis] = width;
+        let mut lattice = lattice::<f64>(between(axis, Sides::RESTING, periodic(size, 0.3)));
+        lattice.set_force(unit(axis, weight)).unwrap();
+        // Sound decays as e^(−ν k² t) with k = π/8.
+        lattice.advance(2000);
+        for cell in cells(size) {
+            let node = lattice.node(cell);
+            let height = cell[axis] as f64 + 0.5 - 0.5 * width as f64;
+            HYDROSTATIC.assert(node.pressure(), weight * height, weight, "pressure");
+            HYDROSTATIC.assert(node.velocity[axis], 0.0, weight, "velocity");
         }
     }
 }

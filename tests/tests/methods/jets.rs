@@ -2,8 +2,8 @@
 
 use helfrich::shapes::{ExactPoint, Shape};
 use helfrich::{
-    Curvature, Curvatures, Finding, ForceDensity, Jet, MaterialParameter, Method, Serial,
-    StrongForm, Surface, TriangleMesh,
+    Curvature, Curvatures, Finding, ForceDensity, Jet, LaplaceBeltrami, MaterialParameter, Method,
+    Serial, StrongForm, Surface, TriangleMesh,
 };
 use helfrich_std::generate::{Family, GeneratedMesh, generate};
 use helfrich_tests::meshes::rows::{ExactMesh, Rows, ellipsoid, ring};
@@ -106,6 +106,40 @@ fn spheres_are_nearly_planes() {
     }
 }
 
+/// Δ_S x = −2H n. Along the surface it vanishes only with the slopes of a fit in its frame, which are small: on
+/// this mesh up to some per cent.
+#[test]
+fn positions_have_the_laplacian_of_the_curvature() {
+    let made = made("ellipsoid:1,0.8,0.6", Family::Irregular, 642);
+    let surface = Surface::new(&made.mesh, &made.positions).unwrap();
+    for (jet, bounds) in [(Jet::j4(), [1e-2, 1e-2]), (Jet::j6(), [2e-3, 2e-3])] {
+        let mut workspace = jet.workspace(&made.mesh);
+        let mut curvature = vec![Curvature::default(); made.positions.len()];
+        jet.curvatures(&Serial, surface, &mut workspace, &mut curvature);
+        let mut found = vec![[0.0; 3]; made.positions.len()];
+        jet.apply(&Serial, surface, &workspace, &made.positions, &mut found);
+        for (at, found) in exact(&made).iter().zip(found) {
+            let off: [f64; 3] = std::array::from_fn(|k| found[k] + 2.0 * at.mean * at.normal[k]);
+            let normal: f64 = off.iter().zip(&at.normal).map(|(x, n)| x * n).sum();
+            let along: [f64; 3] = std::array::from_fn(|k| off[k] - normal * at.normal[k]);
+            let along = along.iter().map(|x| x * x).sum::<f64>().sqrt();
+            for (error, bound) in [normal.abs(), along].into_iter().zip(bounds) {
+                assert!(error <= bound, "degree {}: {error:e}", jet.degree);
+            }
+        }
+    }
+}
+
+/// A sphere has no force at any vertex of a hard mesh: Δ_S H includes the slopes of fits to second order.
+#[test]
+fn hard_spheres_have_no_force() {
+    let made = made("sphere", Family::Hard, 162);
+    let found = found(&StrongForm::j6(1.0), &made.mesh, &made.positions);
+    for density in found.density {
+        assert!(density.abs() <= 2e-3, "{density:e}");
+    }
+}
+
 /// Vertices in rows: H within 5 %, or a finding says why not.
 #[test]
 fn rows_determine_fits() {
@@ -191,6 +225,14 @@ fn disagreements_bound_errors() {
             };
             let share = (0..exact.len()).filter(holds).count() as f64 / exact.len() as f64;
             assert!(share >= 0.95, "{shape}, degree {}: {share}", jet.degree);
+            // They are no larger than they must be: fits of a resolved shape agree.
+            for quantity in 0..2 {
+                let of_vertex = |of: &[f64; 2]| of[quantity];
+                let mut sizes = Vec::from_iter(found.disagreements.iter().map(of_vertex));
+                sizes.sort_by(f64::total_cmp);
+                let median = sizes[sizes.len() / 2];
+                assert!(median <= 0.05, "{shape}, degree {}: {median}", jet.degree);
+            }
         }
     }
 }

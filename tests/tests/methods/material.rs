@@ -3,7 +3,7 @@
 use crate::range::refusal;
 use autodiff::F1;
 use helfrich::{
-    ControlPoints, Energy, GompperKroll, Hamann, Jet, Juelicher, LoopSubdivision,
+    ControlPoints, Energy, Galerkin, GompperKroll, Hamann, Jet, Juelicher, LoopSubdivision,
     MaterialParameter, Prepared, StrongForm,
 };
 use helfrich_std::generate::{Family, GeneratedMesh, generate};
@@ -134,6 +134,7 @@ fn energies_and_forces_on_a_sphere() {
         GompperKroll::new(1.0),
         Hamann::new(1.0),
         LoopSubdivision::new(1.0),
+        Galerkin::new(1.0),
         StrongForm::meyer(1.0),
         StrongForm::j4(1.0)
     );

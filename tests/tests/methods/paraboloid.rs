@@ -1,6 +1,10 @@
 //! Method E: its known behaviour, including where it stalls and diverges.
 
-use helfrich::{Finding, Paraboloid, StrongForm};
+use helfrich::shapes::Shape;
+use helfrich::{
+    Curvature, Curvatures, Finding, LaplaceBeltrami, Method, Paraboloid, Serial, StrongForm,
+    Surface,
+};
 use helfrich_std::generate::{Family, generate};
 use helfrich_tests::accuracy::{StrongFormErrors, of_strong_form};
 use helfrich_tests::laws::{check_operator, findings_on_small_meshes};
@@ -34,6 +38,27 @@ fn tiny_and_open_meshes_give_finite_values() {
             };
             assert_eq!(findings.iter().filter(missing).count(), expected, "{name}");
         }
+    }
+}
+
+/// Δ_S x = −2H n has no component along a sphere, which slivers of a hard mesh show only with the slopes of fits in
+/// their frames.
+#[test]
+fn positions_have_no_laplacian_along_a_sphere() {
+    let made = generate(&"sphere".parse().unwrap(), Family::Hard, 162, 1).unwrap();
+    let surface = Surface::new(&made.mesh, &made.positions).unwrap();
+    let operator = Paraboloid::default();
+    let mut workspace = operator.workspace(&made.mesh);
+    let mut curvature = vec![Curvature::default(); made.positions.len()];
+    operator.curvatures(&Serial, surface, &mut workspace, &mut curvature);
+    let mut found = vec![[0.0; 3]; made.positions.len()];
+    operator.apply(&Serial, surface, &workspace, &made.positions, &mut found);
+    for (&preimage, found) in made.preimages.iter().zip(found) {
+        let normal = made.shape.at(preimage).normal;
+        let across: f64 = found.iter().zip(&normal).map(|(x, n)| x * n).sum();
+        let along: [f64; 3] = std::array::from_fn(|k| found[k] - across * normal[k]);
+        let along = along.iter().map(|x| x * x).sum::<f64>().sqrt();
+        assert!(along <= 0.2, "{along:e}");
     }
 }
 

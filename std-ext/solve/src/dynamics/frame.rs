@@ -353,3 +353,81 @@ fn add_modes(
 /// near-spheres have almost no normal component, and cannot be identified from normal
 /// displacements.
 const LEAST_ACROSS: f64 = 0.05;
+
+#[cfg(test)]
+mod tests {
+    use super::Frame;
+    use crate::dynamics::coordinates::Coordinates;
+    use crate::dynamics::place::Place;
+    use crate::dynamics::{Membrane, Motion};
+    use helfrich_mesh::generate::{AnyShape, Family, generate};
+    use std::sync::Arc;
+
+    /// An ellipsoid, all rigid motions of which move its surface.
+    fn ellipsoid() -> ([Membrane; 1], Vec<Place>, Vec<[f64; 3]>) {
+        let shape: AnyShape = "ellipsoid:1,0.8,0.5".parse().expect("a shape");
+        let made = generate(&shape, Family::Irregular, 162, 1).expect("a mesh");
+        let membranes = [Membrane {
+            mesh: Arc::new(made.mesh),
+            bending_modulus: 1.0,
+            in_plane_modulus: 0.0,
+            motion: Motion::AlongNormals,
+            fixed: Vec::new(),
+        }];
+        let places = Place::of(&membranes);
+        (membranes, places, made.positions)
+    }
+
+    /// A preconditioner sees forces without net force and torque, and the rigid part of displacements is that of
+    /// the compliance, whatever the preconditioner adds to it.
+    #[test]
+    fn rigid_motions_have_their_own_compliance() {
+        let (membranes, places, positions) = ellipsoid();
+        let frame = Frame::new(&membranes, &places, &positions);
+        assert_eq!(frame.modes.len(), 6);
+        let along = |field: &[f64], displacement: bool| {
+            let of_mode = frame.modes.iter().map(|mode| {
+                let numbers = mode.vertices.iter().enumerate();
+                let terms = numbers.map(|(k, &(_, number))| {
+                    let weight = if displacement {
+                        mode.weighted[k]
+                    } else {
+                        mode.normal_part(k)
+                    };
+                    weight * field[number as usize]
+                });
+                terms.sum::<f64>()
+            });
+            Vec::from_iter(of_mode)
+        };
+        let mut field = Vec::from_iter((0..positions.len()).map(|k| 1.0 + (3.0 * k as f64).sin()));
+        let shares = along(&field, false);
+        let size = shares.iter().map(|share| share.abs()).fold(0.0, f64::max);
+        frame.apart_from_rigid(0.3, &mut field, |force| {
+            for left in along(force, false) {
+                assert!(left.abs() < 1e-12 * size, "{left:e} of {size:e}");
+            }
+            for (k, force) in force.iter_mut().enumerate() {
+                *force = *force * (2.0 + (k as f64).cos()) + 1.0;
+            }
+        });
+        for (found, share) in along(&field, true).into_iter().zip(shares) {
+            let off = (found - 0.3 * share).abs();
+            assert!(off < 1e-12 * size, "{found:e}, {share:e}");
+        }
+    }
+
+    /// Directions are kept until normals have turned by a root mean square of 0.15 radians.
+    #[test]
+    fn directions_are_kept_until_the_surface_turns() {
+        let (membranes, places, positions) = ellipsoid();
+        let frame = Frame::new(&membranes, &places, &positions);
+        // Normals of a stretched sphere turn by at most half of the logarithm of the stretch, on average.
+        for (stretch, turned) in [(1.0, false), (1.1, false), (1.6, true)] {
+            let stretched = positions.iter().map(|&[x, y, z]| [x, y, stretch * z]);
+            let stretched = Vec::from_iter(stretched);
+            let coordinates = Coordinates::new(&membranes, &places, &stretched);
+            assert_eq!(coordinates.turned(&places, &frame), turned, "{stretch}");
+        }
+    }
+}

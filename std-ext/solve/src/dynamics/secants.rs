@@ -63,3 +63,37 @@ impl Secants {
 
 /// The least cosine between step and decrease of force with which a pair is stored.
 const LEAST_COSINE: f64 = 1e-9;
+
+#[cfg(test)]
+mod tests {
+    use super::Secants;
+    use crate::dynamics::vector;
+
+    /// The approximate inverse stiffness maps the last fall of the force to its step, and is symmetric.
+    #[test]
+    fn the_last_step_answers_its_fall() {
+        let stiffness = [2.0, 0.5, 3.0, 1.5];
+        let steps = [[1.0, -2.0, 0.5, 0.3], [0.2, 1.0, 1.0, -0.7]];
+        let mut secants = Secants::default();
+        let falls = steps.map(|step| std::array::from_fn(|k| stiffness[k] * step[k]));
+        for (step, fall) in steps.iter().zip::<[[f64; 4]; 2]>(falls) {
+            secants.push(5, step.to_vec(), fall.to_vec());
+        }
+        let applied = |force: [f64; 4]| {
+            let mut found = force.to_vec();
+            secants.apply(&mut found, |force| {
+                force.iter_mut().for_each(|entry| *entry *= 0.8);
+            });
+            found
+        };
+        for (found, expected) in applied(falls[1]).into_iter().zip(steps[1]) {
+            assert!((found - expected).abs() < 1e-14, "{found} {expected}");
+        }
+        let [one, other] = [[1.0, 0.0, 2.0, -1.0], [0.3, 1.0, -0.4, 0.8]];
+        let [there, back] = [
+            vector::product(&other, &applied(one)),
+            vector::product(&one, &applied(other)),
+        ];
+        assert!((there - back).abs() < 1e-14, "{there} {back}");
+    }
+}

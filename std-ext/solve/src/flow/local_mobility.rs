@@ -457,4 +457,53 @@ mod tests {
             );
         }
     }
+
+    /// The drag is 4μ √(L + σ): applied twice it is that of the Laplacian, also of the shortest waves, which the
+    /// constant term of the sum over poles carries.
+    #[test]
+    fn drag_is_the_square_root_of_the_laplacian() {
+        let shape: AnyShape = "sphere:2".parse().expect("a shape");
+        let made = generate(&shape, Family::Regular, 642, 1).expect("a mesh");
+        let (mesh, positions) = (Arc::new(made.mesh), made.positions);
+        let membrane = Membrane {
+            mesh: mesh.clone(),
+            bending_modulus: 0.0,
+            in_plane_modulus: 1.0,
+            motion: Motion::Free,
+            fixed: Vec::new(),
+        };
+        let mut mobility = LocalMobility::new(vec![membrane], &[0.7], 1e-8);
+        let mut still = Springs(vec![0.0; positions.len()]);
+        mobility.set(&mut still, &positions).expect("positions");
+        let part = &mut mobility.parts[0];
+        let (drag, [shift, _]) = (part.drag, part.range);
+        let cotangents = part.cotangents.take().expect("cotangents");
+        let (areas, edges) = (cotangents.areas.clone(), cotangents.edges.clone());
+        part.cotangents = Some(cotangents);
+        // Along x a wave of l = 3, and along z the shortest waves: alternating signs.
+        let field = positions.iter().enumerate();
+        let field = field.map(|(i, x)| {
+            let z = 0.5 * x[2];
+            let sign = if i % 2 == 0 { 1.0 } else { -1.0 };
+            [z * (5.0 * z * z - 3.0), 0.0, sign]
+        });
+        let field = Vec::from_iter(field);
+        let mut once = vec![[0.0; 3]; field.len()];
+        part.drag(&field, &mut once);
+        for axis in [0, 2] {
+            let squares = once.iter().zip(&areas);
+            let found: f64 = squares.map(|(f, area)| f[axis] * f[axis] / area).sum();
+            let sizes = field.iter().zip(&areas);
+            let mut exact: f64 = sizes
+                .map(|(v, area)| shift * area * v[axis] * v[axis])
+                .sum();
+            for (&[a, b], value) in mesh.edges().iter().zip(&edges) {
+                let step = field[a as usize][axis] - field[b as usize][axis];
+                exact -= value * step * step;
+            }
+            let ratio = (found / (drag * drag * exact)).sqrt();
+            // 1.4 % by the spacing of poles, and less than 4 % by the first pole.
+            assert!((ratio - 1.0).abs() < 0.05, "axis {axis}: {ratio}");
+        }
+    }
 }

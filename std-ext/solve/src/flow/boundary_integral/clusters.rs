@@ -193,3 +193,35 @@ fn principal_axes(points: &[DVec3]) -> DMat3 {
     }
     DMat3::from_cols_array_2d(&axes)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::principal_axes;
+    use glam::{DMat3, DVec3};
+
+    /// Without their mean, coordinates along principal axes have no mean product: boxes along them are tight.
+    #[test]
+    fn coordinates_along_principal_axes_are_uncorrelated() {
+        let (tilt, turn) = (DMat3::from_rotation_x(0.4), DMat3::from_rotation_z(1.1));
+        // A slab, over which multiples of the roots are spread evenly.
+        let points = Vec::from_iter((0..200).map(|k| {
+            let step = f64::from(k);
+            let [x, y, z] = [2.0, 3.0, 5.0].map(|n| (f64::sqrt(n) * step).fract() - 0.5);
+            tilt * turn * DVec3::new(3.0 * x, y, 0.1 * z) + DVec3::new(5.0, -2.0, 1.0)
+        }));
+        let axes = principal_axes(&points);
+        let mean = points.iter().sum::<DVec3>() / points.len() as f64;
+        let product = |p: usize, q: usize| {
+            let along = points
+                .iter()
+                .map(|point| axes.transpose() * (*point - mean));
+            let products = along.map(|along| along.to_array()[p] * along.to_array()[q]);
+            products.sum::<f64>() / points.len() as f64
+        };
+        let size = (0..3).map(|p| product(p, p)).sum::<f64>();
+        for [p, q] in [[0, 1], [0, 2], [1, 2]] {
+            let off = product(p, q).abs();
+            assert!(off < 1e-9 * size, "{p} and {q}: {off:e} of {size:e}");
+        }
+    }
+}

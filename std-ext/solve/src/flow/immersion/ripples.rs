@@ -148,3 +148,56 @@ impl Rippling {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Ripples;
+    use crate::dynamics::vector;
+    use helfrich_mesh::generate::{AnyShape, Family, generate};
+    use std::sync::Arc;
+
+    /// Velocities along normals on a sphere under pressures along normals.
+    fn responses<const N: usize>(pressures: [&dyn Fn(usize) -> f64; N]) -> [Vec<f64>; N] {
+        let shape: AnyShape = "sphere".parse().expect("a shape");
+        let made = generate(&shape, Family::Irregular, 162, 1).expect("a mesh");
+        let (mesh, positions) = (Arc::new(made.mesh), made.positions);
+        let mut thirds = vec![[0.0; 3]; positions.len()];
+        for triangle in mesh.triangles() {
+            let [a, b, c] = triangle.map(|vertex| positions[vertex as usize]);
+            let doubled = vector::cross(vector::sub(b, a), vector::sub(c, a));
+            for &vertex in triangle {
+                let sum = &mut thirds[vertex as usize];
+                *sum = vector::add(*sum, vector::scale(1.0 / 6.0, doubled));
+            }
+        }
+        let mut ripples = Ripples::new(&[mesh], &|_| true, &[1.0], 0.7);
+        pressures.map(|pressure| {
+            let forces = thirds.iter().enumerate();
+            let forces = forces.map(|(vertex, &third)| vector::scale(pressure(vertex), third));
+            ripples.respond(&positions, &Vec::from_iter(forces));
+            let speeds = ripples.velocities.iter().zip(&thirds);
+            let along = |(&velocity, &third)| vector::dot(velocity, vector::unit(third));
+            speeds.map(along).collect()
+        })
+    }
+
+    /// (1 − M)ᵀ(1 − M) is symmetric, has no negative eigenvalue, and leaves nothing of a constant.
+    #[test]
+    fn responses_to_pressures_are_symmetric_positive_and_to_differences_alone() {
+        let one = |vertex: usize| (7.0 * vertex as f64).sin();
+        let other = |vertex: usize| (vertex as f64 * vertex as f64).cos();
+        let [by_one, by_other, by_none] = responses([&one, &other, &|_| 1.0]);
+        let work = |pressure: &dyn Fn(usize) -> f64, speeds: &[f64]| -> f64 {
+            let terms = speeds.iter().enumerate();
+            terms.map(|(vertex, speed)| pressure(vertex) * speed).sum()
+        };
+        let size = work(&one, &by_one);
+        assert!(size > 0.0 && work(&other, &by_other) > 0.0);
+        let [there, back] = [work(&other, &by_one), work(&one, &by_other)];
+        assert!((there - back).abs() < 1e-12 * size, "{there} and {back}");
+        let most = by_none
+            .iter()
+            .fold(0.0_f64, |most, speed| most.max(speed.abs()));
+        assert!(most < 1e-13 * size, "{most:e}");
+    }
+}
