@@ -1,4 +1,5 @@
-//! Adaptive jets as the reference of all methods, and the errors that methods have by their distances from it.
+//! Adaptive jets as the reference of all methods on a surface with noise, and the errors that methods have by their
+//! distances from it.
 
 use crate::execute::available_threads;
 use crate::measurement::Measurement;
@@ -10,8 +11,8 @@ use std::time::Instant;
 /// The mean of the absolute value of a normal error, in standard deviations: √(2/π).
 const MEAN: f64 = 0.8;
 
-/// The expected maximum of the errors, in standard deviations: as for about 60 independent normal errors, because fits
-/// overlap.
+/// The expected maximum of errors by noise, in standard deviations: as for about 60 independent normal errors, because
+/// fits overlap. Without noise, expected errors are upper estimates at every vertex.
 const LARGEST: f64 = 2.4;
 
 /// Expected errors that are subtracted from values before the largest one is sought, as the largest of many values is so
@@ -80,8 +81,9 @@ impl Uncertain {
         })
     }
 
-    /// The largest and the mean error that a method with these results is expected to have. Errors of jets are
-    /// independent of those of the reference; distances of other methods are bounds.
+    /// The largest and the mean error that a method with these results is expected to have. Errors of jets by noise are
+    /// independent of those of the reference; other errors may have the same sign. Those of methods other than jets are
+    /// bounds.
     pub(super) fn expected<T: Real + Evaluated>(
         &self,
         fields: &Fields<T>,
@@ -94,11 +96,14 @@ impl Uncertain {
             if error.is_nan() {
                 continue;
             }
-            let with = |error: f64| match is_bound {
-                true => self.more * (distance + error),
-                false => distance.hypot(error),
+            let has_noise = at.deviation > 0.0;
+            let with = |error: f64| match (is_bound, has_noise) {
+                (true, _) => self.more * (distance + error),
+                (false, true) => distance.hypot(error),
+                (false, false) => distance + error,
             };
-            largest = largest.max(with(LARGEST * error));
+            let most = if has_noise { LARGEST } else { 1.0 };
+            largest = largest.max(with(most * error));
             sum += at.area * with(MEAN * error);
             areas += at.area;
         }

@@ -58,7 +58,7 @@ pub fn recommendation(found: &Recommendation, out: &mut dyn Write) -> io::Result
             } else {
                 writeln!(
                     out,
-                    "This mesh is too coarse or too rough to say: {symbol} of j6 may be off by more than {} at the worst vertex, or nothing shows its error at many vertices.",
+                    "This mesh is too coarse or too rough to say: {symbol} of j6 may be off by more than {} at the worst vertex, or nothing shows its error.",
                     percent(RESOLVED)
                 )?;
             }
@@ -76,7 +76,7 @@ pub fn recommendation(found: &Recommendation, out: &mut dyn Write) -> io::Result
     } else {
         writeln!(
             out,
-            "\nThe exact values are unknown: max and mean are distances from jets of the degree that suits the mesh (jet). The error of j6 is expected to be {}.",
+            "\nThe exact values are unknown: max and mean are distances from jets of degree 8. By its distances from these and from j4, the error of j6 is {}.",
             percent(*reference_error)
         )?;
     }
