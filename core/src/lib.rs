@@ -47,7 +47,7 @@
 //! * `E = 2κ ∫ H² dS`: `8πκ` for every sphere.
 //! * Force `F_i = −∂E/∂x_i`: the force that the membrane exerts on its surroundings at a vertex.
 //!   Force density `f = 2κ [Δ_S H + 2H (H² − K)] n`, force per area of membrane.
-//! * In-plane moduli are forces per length; E_s, which some give for neo-Hookean membranes, is 3 G.
+//! * In-plane moduli are forces per length; some authors give E_s = 3 G for neo-Hookean membranes.
 //!   Positive surface tension contracts, positive osmotic pressure inflates.
 //! * H is in 1/length, K in 1/length², Δ_S H in 1/length³, κ in units of energy; lengths are in
 //!   whatever unit the positions have.

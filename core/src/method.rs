@@ -200,8 +200,8 @@ impl ParameterError {
     }
 
     /// The largest bending modulus, and the largest square of a spontaneous curvature: the square root
-    /// of the largest number. What overflows below it does so by the sizes of edges, and findings name
-    /// the vertices.
+    /// of the largest number. Smaller values overflow only on extreme edges, which findings
+    /// report.
     pub fn largest_modulus<T: Real>() -> T {
         T::max_value().sqrt()
     }

@@ -170,7 +170,7 @@ pub struct Surroundings {
     /// Start of the neighbourhood of each vertex, and the end of the last.
     offsets: Vec<usize>,
     vertices: Vec<u32>,
-    /// The number of vertices within the first rings, without and with the last of these.
+    /// Vertex counts of the first n − 1 and n rings.
     first_rings: Vec<[u32; 2]>,
     /// Largest number of candidates of one vertex.
     room: usize,
@@ -269,7 +269,7 @@ pub(crate) struct Search<'a> {
 #[derive(Clone, Copy)]
 pub(crate) struct Nearby<'a> {
     vertices: &'a [u32],
-    /// The number of vertices within the first rings, without and with the last of these.
+    /// Vertex counts of the first n − 1 and n rings.
     first_rings: [usize; 2],
 }
 

@@ -55,8 +55,8 @@ impl<T: Real> GompperKroll<T> {
         }
     }
 
-    /// Sets `mean` to `H_i = L_i·n_i / (2 A_i)` at every vertex, for unit vectors n_i from elsewhere, such as those of the exact surface; 0 at
-    /// vertices that are not interior or have no area.
+    /// Sets `mean` to `H_i = L_i·n_i / (2 A_i)` at every vertex, for given unit normals n_i,
+    /// such as those of the exact surface; 0 at vertices that are not interior or have no area.
     ///
     /// # Panics
     /// If `normals` or `mean` have fewer entries than the surface has vertices, or the surface

@@ -43,7 +43,7 @@ pub struct HamannMemory<T> {
     turns: Vec<[T; 4]>,
 }
 
-/// Numbers of a fit that its neighbours need: n, u, C, Λ, 1/ρ, ∂E/∂tr C, and H − H0. C and Λ are in
+/// Results of a fit that the fits of its neighbours read: n, u, C, Λ, 1/ρ, ∂E/∂tr C, and H − H0. C and Λ are in
 /// units of ρ, the root mean square distance of the neighbours; `Λ = (Σ m mᵀ)⁻¹ (1, 0, 1)` with
 /// `m = (½u², uv, ½v²)`, all zero where there is no fit.
 type Fit<T> = [T; 15];

@@ -78,7 +78,7 @@ const FOURTH: usize = 64;
 /// H.
 const ONE_STAGE: u8 = 2;
 
-/// Fraction of the vertices that may still gain by more neighbours when the search ends.
+/// The search for more neighbours stops when fewer than this fraction of the vertices still improve.
 const LEFT: f64 = 0.01;
 
 /// Jets whose degree and number of neighbours are chosen at every vertex, with error bars.

@@ -397,7 +397,7 @@ fn refuse_unstable(
     }
 }
 
-/// The surface of a vertex and its number there; `vertex` counts over all surfaces.
+/// "surface S, vertex k" for a vertex that is counted over all surfaces.
 fn place(simulation: &Simulation, vertex: usize) -> String {
     let mut bodies = simulation.bodies().iter();
     match bodies.find(|body| body.vertices().contains(&vertex)) {

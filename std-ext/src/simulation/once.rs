@@ -18,7 +18,7 @@ pub(super) fn said_once(warnings: Vec<SceneError>, surfaces: &[&str]) -> Vec<Sce
             *message = text;
         }
     };
-    // What a warning is beside its message, and where that belongs.
+    // Warnings without their messages, which are merged below.
     let mut rest = warnings;
     let texts: Vec<Option<String>> = rest.iter_mut().map(message).collect();
     let doubtful = texts.iter().flatten().cloned().collect();

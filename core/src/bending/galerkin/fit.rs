@@ -308,10 +308,9 @@ impl<T: Real> Scratch<T> {
         fit.coefficients = self.sums.fitted(fit, degree, points, heights);
     }
 
-    /// From the derivatives `by_coefficient` with respect to the coefficients, and with respect to places
-    /// and normals in `bars` and `normal_bars`: sets `bars` to those with respect to the neighbours'
-    /// positions, `normal_bars` to those with respect to their normals, and returns that with respect to
-    /// the vertex's own normal. `by_radius` is the derivative with respect to ρ where the rest is fixed.
+    /// Adjoint of the fit: maps ∂E/∂c (`by_coefficient`) and ∂E/∂(u, v, h) (`bars`, `normal_bars`) to ∂E/∂x_j (`bars`)
+    /// and ∂E/∂n_j (`normal_bars`) of the neighbours j, and returns ∂E/∂n of the vertex. `by_radius` is ∂E/∂ρ at fixed
+    /// coefficients and places.
     ///
     /// With `z = A⁻¹ ∂c`, `q = V z` and the residuals `r = h − V c`: `∂h = W q`,
     /// `∂V = W (r zᵀ − q cᵀ)`, `∂w = q r`.

@@ -15,8 +15,8 @@ use crate::vec3::{Vec3, add, cross, dot, norm, scale, sub};
 pub(super) const RIM_POINT: usize = 9;
 /// Rows of these of a patch.
 pub(super) const RIM: usize = 3 * GAUSS * RIM_POINT;
-/// Numbers that an edge returns for each quadrature point: the derivatives with respect to the angle, and
-/// to H, to the length, to κ and to H0 on one side.
+/// Gradient entries of an edge at each quadrature point: with respect to the angle, and to H, the length, κ and H0 on one
+/// side.
 pub(super) const HEM_POINT: usize = 5;
 /// Rows of these of an edge.
 pub(super) const HEM: usize = GAUSS * HEM_POINT;

@@ -84,7 +84,7 @@ impl<T: Real> Shape<T> {
     }
 }
 
-/// Derivatives on their way from patches to positions.
+/// Buffers of the reverse pass, from patches to positions.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Return<T> {
     /// Derivatives with respect to what patches are made of, see [`Patches::give_back`].

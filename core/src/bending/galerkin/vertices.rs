@@ -59,9 +59,9 @@ impl Plan {
         &self.neighbours[self.neighbour_offsets[block]..self.neighbour_offsets[block + 1]]
     }
 
-    /// Sets the derivatives of the energy with respect to the displacements around the vertices of a
-    /// block, without the weights of the blend: what the `returned` rows of patches, `stride` to a block of
-    /// which the first are `skipped`, give to them. A point on an edge gets what the patches on both sides return.
+    /// Gathers ∂E/∂displacement around the vertices of a block from the patch gradients (`returned`), without the
+    /// weights of the blend. Blocks of rows are `stride` apart, and their first `skipped` rows are others. A point on an
+    /// edge receives the sum of both patches.
     #[inline(always)]
     pub(super) fn gather_returned<T: Real>(
         &self,
@@ -214,7 +214,7 @@ impl<T: Real> Backward<'_, T> {
         })
     }
 
-    /// Rows of what patches return.
+    /// Rows of a patch gradient.
     fn stride(&self) -> usize {
         RETURNED + FREE * self.material.iter().filter(|field| field.varies()).count()
     }

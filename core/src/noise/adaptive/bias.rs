@@ -21,8 +21,7 @@ const NOISE_POOL: usize = 32;
 const UNSEEN: f64 = 0.1;
 const SIGNIFICANT: f64 = 4.0;
 
-/// Number of standard deviations by which the sums over the whole mesh scatter by noise: for the least and
-/// the largest bias that they allow.
+/// Confidence level, in standard deviations, of the lower and the upper bound of the bias over the whole mesh.
 const CERTAIN: f64 = 2.0;
 
 /// Number of standard deviations by which the product of two distances has to exceed the effect of noise
@@ -38,11 +37,11 @@ const OPPOSITE: f64 = 0.6;
 pub(super) struct Bias<T> {
     pub(super) wide: Vec<T>,
     pub(super) narrow: Vec<T>,
-    /// Squares without the part that may stay undetected.
+    /// Detected bias².
     pub(super) seen: Vec<T>,
     /// Lower bound.
     pub(super) local: Vec<T>,
-    /// The part of `seen` that is bias, over the whole mesh.
+    /// Fraction of `seen` that is real, over the whole mesh.
     pub(super) trust: Trust<T>,
 }
 

@@ -34,9 +34,9 @@ pub(super) const AT_BORDER: [OneSided; 4] =
 /// 6 over 128 neighbours, bars were five times as wide on fine meshes, and too narrow on coarse ones.
 pub(super) const WIDER_AT_BORDER: [OneSided; 1] = [(8, 250, 12.0)];
 
-/// Number of steps from 0 to the inversion that makes H zero. With twice as many, errors are 0.9 times as large,
-/// and the time of these fits nearly twice as long. Fits at the boundary begin at the step that the fit of other
-/// vertices has found: errors are within a tenth of those of a search from 0, which takes 2.6 times as long.
+/// Number of steps from 0 to the inversion that makes H zero. Twice as many reduce errors to 0.9 of these in nearly twice
+/// the time. Fits at the boundary begin at the step that the fit of other vertices has found. A search from 0 changes
+/// errors by a tenth and takes 2.6 times as long.
 const STEPS: i32 = 4;
 
 /// Least ratio of the conditioning after and before an inversion: with less, the inverted surface turns away.
@@ -103,8 +103,8 @@ impl<T: Real> Scratch<T> {
         (best.model, count)
     }
 
-    /// The square of the standard error of the fit after the inversion whose residual is less than those of the
-    /// steps before and after it; the fit; and its step. The search begins at the step `start`.
+    /// Line search over inversions, from the step `start`: the squared standard error, the fit and the step at the
+    /// smallest residual.
     fn bent(
         &mut self,
         ground: &Ground<'_, T>,

@@ -396,7 +396,7 @@ impl<T: Real> Chosen<T> {
         Some((candidate, both * both + variance, expected))
     }
 
-    /// The part of a squared bias that the distances over the whole mesh allow. The distance of degree 4
+    /// The squared bias, capped by its estimate over the whole mesh. The distance of degree 4
     /// from degree 6 has several times the noise of degree 4, and local distances that exceed it by chance
     /// would dominate the error.
     fn possible(&self, vertex: usize, quantity: usize, candidate: usize, square: T) -> T {
@@ -408,8 +408,7 @@ impl<T: Real> Chosen<T> {
         }
     }
 
-    /// The expected square of the bias of a candidate, and the square of the bias that it may share with
-    /// degree 6. The distance of degree 4 from degree 6 does not show the bias that both
+    /// E[bias²] of a candidate, and the bias² that it may share with degree 6. The distance of degree 4 from degree 6 does not show the bias that both
     /// share, and it is larger than both if they are opposite: see [`related`]. The bias of degree 6 is less
     /// than that of degree 4; the shared part is therefore limited by the part that the distance shows.
     fn seen(

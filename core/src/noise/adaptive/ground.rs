@@ -14,7 +14,7 @@ use crate::vec3::Vec3;
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// Data that all fits share.
+/// Inputs common to all fits.
 pub(super) struct Ground<'a, T> {
     pub(super) surface: Surface<'a, T>,
     /// Normals weighted by area.

@@ -289,8 +289,7 @@ impl Map {
     }
 }
 
-/// Indices of the points of a line at which arrows are drawn: its middle, and others at this distance from it
-/// and from each other.
+/// Indices of the points of a line at which arrows are drawn: evenly spaced, symmetric about the middle.
 fn arrow_places(line: &[[f64; 2]], apart: f64) -> Vec<usize> {
     let mut lengths = vec![0.0];
     for pair in line.windows(2) {

@@ -293,7 +293,7 @@ impl Doubts<'_> {
         }
     }
 
-    /// Whether there is inertia that is not meant.
+    /// Whether inertia exceeds what Stokes flow allows.
     fn inertia(&mut self) {
         let Self {
             name,

@@ -1,4 +1,4 @@
-//! Sums of which each part has single or double precision, and the whole double precision.
+//! Accumulation of partial sums in f32 or f64 into sums in f64.
 
 use super::kernel::Kernel;
 use super::sums::{Columns, Task};

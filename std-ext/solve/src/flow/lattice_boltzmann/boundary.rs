@@ -60,7 +60,7 @@ impl<T: Precision> Links<T> {
         if labels.is_some() || walled.contains(&true) {
             for node in 0..layout.nodes() {
                 let cell = layout.cell(node);
-                // One of each pair of directions: the other is the same link from its other end.
+                // Half of the directions: opposite ones are the same links.
                 for direction in (1..Q).step_by(2) {
                     let step = VELOCITIES[direction];
                     let crossed = (0..3).find(|&axis| {
