@@ -31,7 +31,7 @@ use uncertainty::Uncertain;
 
 /// Request of a user.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Wish {
+pub struct Request {
     /// Quantity that has to be accurate.
     pub quantity: Quantity,
     /// The norm in which the error counts.
@@ -171,17 +171,17 @@ pub enum RecommendError {
 pub fn recommend(
     mesh: &TriangleMesh,
     positions: &[[f64; 3]],
-    wish: &Wish,
+    request: &Request,
     interrupted: &dyn Fn() -> bool,
     progress: &mut dyn FnMut(StudyProgress<'_>),
 ) -> Result<Option<Recommendation>, RecommendError> {
-    AnyMethod::check_names(&wish.methods)?;
-    let quantity = wish.quantity;
+    AnyMethod::check_names(&request.methods)?;
+    let quantity = request.quantity;
     let surface = Surface::new(mesh, positions).map_err(|source| RecommendError::Surface {
         scalar: Scalar::F64,
         source,
     })?;
-    let total = (wish.methods.len() * wish.scalars.len() + 2) as u64;
+    let total = (request.methods.len() * request.scalars.len() + 2) as u64;
     let mut tell = |done: u64, at: &str| progress(StudyProgress { done, total, at });
     tell(0, "noise, and a reference");
     let failed = |source| RecommendError::Surface {
@@ -206,23 +206,23 @@ pub fn recommend(
     tell(1, "error of j6");
     let ground = Ground {
         surface,
-        wish,
+        request,
         noise,
         known,
     };
     let expected = ground.of_j6().map_err(failed)?;
     // Without noise `jet` is one of these.
-    let are_given = JETS.iter().all(|degree| wish.methods.contains(degree));
+    let are_given = JETS.iter().all(|degree| request.methods.contains(degree));
     let mut candidates = Vec::new();
     let mut done = 2;
-    for &scalar in &wish.scalars {
-        for &method in &wish.methods {
+    for &scalar in &request.scalars {
+        for &method in &request.methods {
             if interrupted() {
                 return Ok(None);
             }
             tell(done, &format!("{method} {scalar}"));
             done += 1;
-            let which = (method, wish.options.of(method), scalar);
+            let which = (method, request.options.of(method), scalar);
             let jet = match &ground.known {
                 Known::Noisy(jet) => Some(jet),
                 Known::Exact { .. } => None,
@@ -243,7 +243,7 @@ pub fn recommend(
             };
             let measured = measured.map_err(|source| RecommendError::Surface { scalar, source })?;
             candidates.push(Candidate {
-                reaches: expected.is_resolved() && measured.expected <= wish.target,
+                reaches: expected.is_resolved() && measured.expected <= request.target,
                 ..measured
             });
         }
@@ -253,16 +253,16 @@ pub fn recommend(
     let nearest = candidates
         .iter()
         .min_by(|a, b| a.expected.total_cmp(&b.expected));
-    let needed = expected.vertices_needed(mesh.vertex_count(), wish);
+    let needed = expected.vertices_needed(mesh.vertex_count(), request);
     Ok(Some(Recommendation {
         vertices: mesh.vertex_count(),
         compared,
         quantity,
-        norm: wish.norm.name(),
-        target: wish.target,
+        norm: request.norm.name(),
+        target: request.target,
         noise,
-        noise_error: in_norm(expected.noise, wish.norm),
-        reference_error: in_norm(expected.all, wish.norm),
+        noise_error: in_norm(expected.noise, request.norm),
+        reference_error: in_norm(expected.all, request.norm),
         is_resolved: expected.is_resolved(),
         choice: choice.copied(),
         nearest: nearest.copied(),
@@ -309,18 +309,18 @@ impl Expected {
 
     /// The number of vertices that J6 needs for the target, on the same surface with the same
     /// noise.
-    fn vertices_needed(&self, vertices: usize, wish: &Wish) -> Option<f64> {
+    fn vertices_needed(&self, vertices: usize, request: &Request) -> Option<f64> {
         // Orders with which errors fall with the edge length, and with which errors of noise grow.
-        let (order, noise_order) = match wish.quantity {
+        let (order, noise_order) = match request.quantity {
             Quantity::Mean | Quantity::Gaussian => (5.0, 2.0),
             Quantity::LaplacianOfMean | Quantity::ForceDensity => (3.0, 4.0),
         };
-        let [unknown, noise] = [self.shape, self.noise].map(|error| in_norm(error, wish.norm));
+        let [unknown, noise] = [self.shape, self.noise].map(|error| in_norm(error, request.norm));
         // If the shape is not resolved, resolution comes first.
         let worst = self.shape[0] / RESOLVED;
         let count = vertices as f64;
         if noise == 0.0 {
-            let excess = (unknown / wish.target).max(worst);
+            let excess = (unknown / request.target).max(worst);
             let needed = (count * excess.powf(2.0 / order)).ceil();
             return needed.is_finite().then_some(needed);
         }
@@ -328,7 +328,7 @@ impl Expected {
             let finer = factor.sqrt();
             let shape = unknown * finer.powf(-order);
             let error = shape.hypot(noise * finer.powf(noise_order));
-            error <= wish.target && worst * finer.powf(-order) <= 1.0
+            error <= request.target && worst * finer.powf(-order) <= 1.0
         };
         // Numbers near that of the mesh come first; finer meshes only where noise does not dominate.
         let factors = (0..=STEPS).flat_map(|step| {
@@ -418,7 +418,7 @@ fn is_bound(method: AnyMethod) -> bool {
 /// The surface on which methods are measured, and the reference with which they are compared.
 struct Ground<'a> {
     surface: Surface<'a, f64>,
-    wish: &'a Wish,
+    request: &'a Request,
     noise: Noise<f64>,
     known: Known,
 }
@@ -428,7 +428,7 @@ impl Ground<'_> {
     /// standard deviation changes a result by as much as the existing noise has changed it. The error due to the shape is
     /// the distance from degree 8 on a smooth surface.
     fn of_j6(&self) -> Result<Expected, SurfaceError> {
-        let (mesh, quantity) = (self.surface.mesh(), self.wish.quantity);
+        let (mesh, quantity) = (self.surface.mesh(), self.request.quantity);
         let jet = match &self.known {
             Known::Noisy(jet) => jet,
             Known::Exact { of_j6, .. } => {
@@ -500,7 +500,7 @@ impl Ground<'_> {
         fields: &Fields<T>,
         time: Timing,
     ) -> Candidate {
-        let distances = self.known.reference().errors(fields, self.wish.quantity);
+        let distances = self.known.reference().errors(fields, self.request.quantity);
         let expected = self.known.expected(fields, distances, (method, scalar));
         let [max, mean] = distances;
         Candidate {
@@ -511,7 +511,7 @@ impl Ground<'_> {
             mean,
             seconds: time.median.as_secs_f64(),
             seconds_scatter: time.scatter,
-            expected: in_norm(expected, self.wish.norm),
+            expected: in_norm(expected, self.request.norm),
             is_bound: is_bound(method),
             reaches: false,
         }

@@ -39,7 +39,7 @@ use std::time::{Duration, Instant};
 #[derive(Debug)]
 pub struct Simulation {
     bodies: Vec<Body>,
-    between: Vec<Between>,
+    between: Vec<Repulsions>,
     obstacles: Vec<Obstacle>,
     images: Images<f64>,
     /// The connected component of each vertex, among those of all bodies.
@@ -86,7 +86,7 @@ pub struct Obstacle {
 
 /// Repulsion between some surfaces, and their images.
 #[derive(Debug)]
-struct Between {
+struct Repulsions {
     repulsion: Repulsion<f64>,
     /// The bodies in their order: two or more, or one that has images.
     bodies: Vec<usize>,
@@ -315,7 +315,7 @@ impl Simulation {
                 let mut force = vec![[0.0; 3]; positions.len()];
                 let own = &mut force[body.vertices.clone()];
                 let energy = body.add_forces(positions, own, |acts, surface, own| {
-                    acts.effects[index].add_force_unseen(surface, own)
+                    acts.effects[index].add_force_uncounted(surface, own)
                 });
                 let Some(energy) = energy else {
                     return Vec::new();
@@ -496,7 +496,7 @@ impl Membranes for Simulation {
     }
 }
 
-impl Between {
+impl Repulsions {
     /// Adds the forces and returns the energy; none if a position is not finite.
     fn add_force(
         &mut self,

@@ -6,7 +6,7 @@ use crate::work::{Watch, on_threads};
 use helfrich::TriangleMesh;
 use helfrich_std::answer::Norm;
 use helfrich_std::method::{AnyMethod, BendingMethod, MethodOptions};
-use helfrich_std::recommend::{self as choice, Wish};
+use helfrich_std::recommend::{self as choice, Request};
 use helfrich_std::scalar::Scalar;
 use helfrich_std::study::Quantity;
 use pyo3::prelude::*;
@@ -48,7 +48,7 @@ pub(crate) fn recommend(
         )));
     }
     let scalars = scalars.iter().map(|name| name.parse::<Scalar>());
-    let wish = Wish {
+    let request = Request {
         quantity: quantity.ok_or_else(|| invalid("the quantities are H, K, LapH and f"))?,
         norm: norm.ok_or_else(|| invalid("the norms are max and mean"))?,
         target: error,
@@ -64,7 +64,8 @@ pub(crate) fn recommend(
             .map_err(Fault::from)
             .and_then(|mesh| {
                 let ends = || watch.ends();
-                choice::recommend(&mesh, &positions, &wish, &ends, &mut |_| ()).map_err(Fault::new)
+                choice::recommend(&mesh, &positions, &request, &ends, &mut |_| ())
+                    .map_err(Fault::new)
             });
         (found, watch)
     })?;

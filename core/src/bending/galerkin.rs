@@ -23,7 +23,7 @@ use self::edges::Edges;
 use self::fields::FieldMemory;
 use self::jets::Jets;
 pub use self::measures::{PatchFunctional, PatchFunctionalMemory};
-use self::patch::{Back, Bars, HEM, Inside, RETURNED, RIM};
+use self::patch::{Back, Bars, EDGE_GRADIENTS, Inside, PATCH_EDGE_VALUES, RETURNED};
 use self::shape::{Return, Shape};
 use self::vertices::Work;
 use crate::bending::MaterialParameter;
@@ -87,8 +87,8 @@ pub struct GalerkinMemory<T: Real> {
     fields: [FieldMemory<T>; 2],
     energies: Vec<Several<T>>,
     edge_energies: Vec<Several<T>>,
-    rims: Vec<Several<T>>,
-    hems: Vec<Several<T>>,
+    edge_values: Vec<Several<T>>,
+    edge_gradients: Vec<Several<T>>,
     bars: Vec<Bars<T>>,
     back: Return<T>,
     work: Vec<Work<T>>,
@@ -108,8 +108,8 @@ impl<T: Real> Method<T> for Galerkin<T> {
             fields: Default::default(),
             energies: Vec::new(),
             edge_energies: Vec::new(),
-            rims: Vec::new(),
-            hems: Vec::new(),
+            edge_values: Vec::new(),
+            edge_gradients: Vec::new(),
             bars: Vec::new(),
             back: Return::default(),
             work: Vec::new(),
@@ -155,7 +155,7 @@ impl<T: Real> Galerkin<T> {
         let shape = &memory.shape;
         let blocks = shape.blocks();
         memory.energies.resize(blocks, zero);
-        memory.rims.resize(blocks * RIM, zero);
+        memory.edge_values.resize(blocks * PATCH_EDGE_VALUES, zero);
         memory.bars.resize_with(blocks, Bars::default);
         let parameters = [&self.modulus, &self.spontaneous_curvature];
         for (field, parameter) in memory.fields.iter_mut().zip(parameters) {
@@ -170,23 +170,23 @@ impl<T: Real> Galerkin<T> {
         let slots = (
             (
                 &mut memory.energies[..],
-                Strided::new(&mut memory.rims, RIM),
+                Strided::new(&mut memory.edge_values, PATCH_EDGE_VALUES),
             ),
             &mut memory.bars[..],
         );
         execution.run(&mut memory.idle, slots, &inside);
 
-        let blocks = shape.plan.hems.len().div_ceil(WIDTH);
+        let blocks = shape.plan.interior_edges.len().div_ceil(WIDTH);
         memory.edge_energies.resize(blocks, zero);
-        memory.hems.resize(blocks * HEM, zero);
+        memory.edge_gradients.resize(blocks * EDGE_GRADIENTS, zero);
         let edges = Edges {
             plan: &shape.plan,
             basis: &shape.basis,
-            rims: &memory.rims,
+            edge_values: &memory.edge_values,
         };
         let slots = (
             &mut memory.edge_energies[..],
-            Strided::new(&mut memory.hems, HEM),
+            Strided::new(&mut memory.edge_gradients, EDGE_GRADIENTS),
         );
         execution.run(&mut memory.idle, slots, &edges);
     }
@@ -232,7 +232,7 @@ impl<T: Real> TwoPass for Galerkin<T> {
         let GalerkinMemory {
             shape,
             fields,
-            hems,
+            edge_gradients,
             bars,
             back,
             work,
@@ -248,7 +248,7 @@ impl<T: Real> TwoPass for Galerkin<T> {
             shape,
             surface,
             inside: bars,
-            hems,
+            edge_gradients,
             material,
         };
         let slots = Strided::new(&mut back.returned, stride);

@@ -10,7 +10,7 @@ use helfrich_std::answer::Norm;
 use helfrich_std::execute::Parallel;
 use helfrich_std::io::MeshFile;
 use helfrich_std::method::{AnyMethod, BendingMethod};
-use helfrich_std::recommend::{Candidate, Recommendation, Wish, recommend};
+use helfrich_std::recommend::{Candidate, Recommendation, Request, recommend};
 use helfrich_std::report;
 use helfrich_std::scalar::Scalar;
 use helfrich_std::study::{Quantity, StudyProgress};
@@ -87,7 +87,7 @@ pub(super) fn recommend_method(arguments: &RecommendArguments) -> Result<(), Fai
     }
     let MeshFile { positions, mesh } = load(&arguments.input)?;
     check_outputs(json)?;
-    let wish = Wish {
+    let request = Request {
         quantity: arguments.quantity,
         norm: arguments.norm,
         target: arguments.error,
@@ -95,7 +95,7 @@ pub(super) fn recommend_method(arguments: &RecommendArguments) -> Result<(), Fai
         options,
         scalars: unique(arguments.scalar.clone()),
     };
-    let found = until_stopped(|| found(arguments, &wish, &mesh, &positions))?;
+    let found = until_stopped(|| found(arguments, &request, &mesh, &positions))?;
     let write = |out: &mut dyn Write| {
         serde_json::to_writer_pretty(&mut *out, &found)?;
         writeln!(out)
@@ -113,7 +113,7 @@ pub(super) fn recommend_method(arguments: &RecommendArguments) -> Result<(), Fai
 /// The answer, which is measured; says what is doubtful about the mesh.
 fn found(
     arguments: &RecommendArguments,
-    wish: &Wish,
+    request: &Request,
     mesh: &TriangleMesh,
     positions: &[[f64; 3]],
 ) -> Result<Recommendation, Failure> {
@@ -122,7 +122,7 @@ fn found(
     let found = recommend(
         mesh,
         positions,
-        wish,
+        request,
         &|| stop.load(Ordering::Relaxed),
         &mut |StudyProgress { done, total, at }| {
             bar.show(done as f64 / total as f64, at);

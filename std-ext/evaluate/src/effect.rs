@@ -125,7 +125,11 @@ impl Effect {
     ///
     /// # Panics
     /// As [`Self::add_force`].
-    pub fn add_force_unseen(&mut self, surface: Surface<'_, f64>, force: &mut [[f64; 3]]) -> f64 {
+    pub fn add_force_uncounted(
+        &mut self,
+        surface: Surface<'_, f64>,
+        force: &mut [[f64; 3]],
+    ) -> f64 {
         self.prepared.add_force(surface, force)
     }
 

@@ -3,7 +3,7 @@
 use super::error::BuildError;
 use super::once::said_once;
 use super::placed::{Placed, scale_to_volume};
-use super::{Acts, Between, Body, Obstacle, Simulation};
+use super::{Acts, Body, Obstacle, Repulsions, Simulation};
 use crate::dynamics::{Held, Membrane, Motion};
 use crate::effect::Lumping;
 use crate::execute::Parallel;
@@ -143,7 +143,7 @@ fn between_bodies(
     interaction: &scene::InteractionScene,
     bodies: usize,
     images: Images<f64>,
-) -> Between {
+) -> Repulsions {
     let scene::InteractionScene::Repulsion {
         strength,
         cutoff,
@@ -152,7 +152,7 @@ fn between_bodies(
     let mut acting = between.map_or_else(|| Vec::from_iter(0..bodies), |pair| pair.to_vec());
     acting.sort_unstable();
     acting.dedup();
-    Between {
+    Repulsions {
         repulsion: Repulsion {
             modulus: strength,
             range: cutoff,

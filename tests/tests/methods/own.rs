@@ -8,7 +8,7 @@ use helfrich_std::method::{
     Settings,
 };
 use helfrich_std::provenance::{Build, Provenance};
-use helfrich_std::recommend::{Wish, recommend};
+use helfrich_std::recommend::{Request, recommend};
 use helfrich_std::report::page::Page;
 use helfrich_std::scalar::Scalar;
 use helfrich_std::study::{Quantity, Row, Study, StudyError};
@@ -107,7 +107,7 @@ fn they_are_recommended() {
         seed: 1,
     }
     .mesh();
-    let wish = Wish {
+    let request = Request {
         quantity: Quantity::Mean,
         norm: Norm::Mean,
         target: 0.05,
@@ -118,7 +118,7 @@ fn they_are_recommended() {
     let found = recommend(
         &mesh.connectivity,
         &mesh.positions,
-        &wish,
+        &request,
         &|| false,
         &mut |_| {},
     );

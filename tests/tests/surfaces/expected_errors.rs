@@ -9,7 +9,7 @@ use helfrich_std::generate::{AnyShape, Family, generate};
 use helfrich_std::measurement::Measurement;
 use helfrich_std::method::{AnyMethod, BendingMethod, Evaluator, MethodOptions};
 use helfrich_std::noise::noise_of;
-use helfrich_std::recommend::{Candidate, Recommendation, Wish, recommend};
+use helfrich_std::recommend::{Candidate, Recommendation, Request, recommend};
 use helfrich_std::scalar::Scalar;
 use helfrich_std::study::Quantity;
 use helfrich_tests::star::Star;
@@ -119,7 +119,7 @@ impl Case {
         quantity: Quantity,
         methods: &[BendingMethod],
     ) -> Recommendation {
-        let wish = Wish {
+        let request = Request {
             quantity,
             norm: Norm::Mean,
             target: 0.01,
@@ -127,7 +127,7 @@ impl Case {
             options: MethodOptions::default(),
             scalars: vec![Scalar::F64],
         };
-        let found = recommend(&self.mesh, positions, &wish, &|| false, &mut |_| {});
+        let found = recommend(&self.mesh, positions, &request, &|| false, &mut |_| {});
         found.expect("a reference").expect("an answer")
     }
 

@@ -6,8 +6,8 @@
 //! Comput. 22 (2005) 83; M. Neunteufel, J. Schöberl, K. Sturm, J. Comput. Phys. 488 (2023) 112218.
 
 use super::basis::{Basis, GAUSS};
-use super::patch::{HEM_POINT, RIM, RIM_POINT};
-use super::plan::{Hem, Plan};
+use super::patch::{EDGE_GRADIENT, EDGE_VALUES, PATCH_EDGE_VALUES};
+use super::plan::{InteriorEdge, Plan};
 use crate::element::{SlotKernel, Slots, Strided};
 use crate::lane::{Lane, Several, WIDTH};
 use crate::real::Real;
@@ -21,7 +21,7 @@ const PENALTY: f64 = 1.0;
 pub(super) struct Edges<'a, T> {
     pub(super) plan: &'a Plan,
     pub(super) basis: &'a Basis<T>,
-    pub(super) rims: &'a [Several<T>],
+    pub(super) edge_values: &'a [Several<T>],
 }
 
 impl<'a, T: Real> SlotKernel<(), (&'a mut [Several<T>], Strided<'a, Several<T>>)> for Edges<'_, T> {
@@ -30,12 +30,16 @@ impl<'a, T: Real> SlotKernel<(), (&'a mut [Several<T>], Strided<'a, Several<T>>)
         &self,
         (): &mut (),
         start: usize,
-        (energies, hems): (&'a mut [Several<T>], Strided<'a, Several<T>>),
+        (energies, edge_gradients): (&'a mut [Several<T>], Strided<'a, Several<T>>),
     ) {
         let half = Several::literal(0.5);
-        for (index, (energy, hem)) in energies.iter_mut().zip(hems.into_slots()).enumerate() {
+        for (index, (energy, gradients)) in energies
+            .iter_mut()
+            .zip(edge_gradients.into_slots())
+            .enumerate()
+        {
             let first = (start + index) * WIDTH;
-            let mut sides = [[[Several::zero(); RIM_POINT]; 2]; GAUSS];
+            let mut sides = [[[Several::zero(); EDGE_VALUES]; 2]; GAUSS];
             let mut angles = [Several::zero(); GAUSS];
             let mut lengths = [Several::zero(); GAUSS];
             let mut whole = Several::zero();
@@ -49,7 +53,11 @@ impl<'a, T: Real> SlotKernel<(), (&'a mut [Several<T>], Strided<'a, Several<T>>)
             let over = whole.reciprocal_or_zero();
             let quarter = Several::literal(0.25 * PENALTY);
             *energy = Several::zero();
-            for (gauss, rows) in hem.chunks_exact_mut(HEM_POINT).take(GAUSS).enumerate() {
+            for (gauss, rows) in gradients
+                .chunks_exact_mut(EDGE_GRADIENT)
+                .take(GAUSS)
+                .enumerate()
+            {
                 let [near, far] = sides[gauss];
                 let (angle, length) = (angles[gauss], lengths[gauss]);
                 let [modulus, spontaneous] = [near[7], near[8]];
@@ -75,12 +83,16 @@ impl<'a, T: Real> SlotKernel<(), (&'a mut [Several<T>], Strided<'a, Several<T>>)
                 penalty =
                     penalty + strength * (quarter * over * over * angles[gauss] * angles[gauss]);
             }
-            for (gauss, rows) in hem.chunks_exact_mut(HEM_POINT).take(GAUSS).enumerate() {
+            for (gauss, rows) in gradients
+                .chunks_exact_mut(EDGE_GRADIENT)
+                .take(GAUSS)
+                .enumerate()
+            {
                 let part = Several::splat(self.basis.edges[gauss].weight);
                 rows[2] = rows[2] - half * (part * penalty);
             }
             for lane in 0..WIDTH {
-                if first + lane >= self.plan.hems.len() {
+                if first + lane >= self.plan.interior_edges.len() {
                     energy.0[lane] = T::zero();
                 }
             }
@@ -92,16 +104,16 @@ impl<'a, T: Real> SlotKernel<(), (&'a mut [Several<T>], Strided<'a, Several<T>>)
 /// side runs backward.
 #[inline(always)]
 fn read_sides<T: Real>(
-    rims: &[Several<T>],
-    hem: &Hem,
+    edge_values: &[Several<T>],
+    shared: &InteriorEdge,
     gauss: usize,
     mut set: impl FnMut(usize, usize, T),
 ) {
-    for (side, &(patch, edge)) in hem.sides.iter().enumerate() {
+    for (side, &(patch, edge)) in shared.sides.iter().enumerate() {
         let gauss = if side == 0 { gauss } else { GAUSS - 1 - gauss };
         let (block, entry) = (patch as usize / WIDTH, patch as usize % WIDTH);
         let point = usize::from(edge) * GAUSS + gauss;
-        let rows = &rims[block * RIM + point * RIM_POINT..][..RIM_POINT];
+        let rows = &edge_values[block * PATCH_EDGE_VALUES + point * EDGE_VALUES..][..EDGE_VALUES];
         for (number, row) in rows.iter().enumerate() {
             set(side, number, row.0[entry]);
         }
@@ -110,7 +122,7 @@ fn read_sides<T: Real>(
 
 /// θ, positive where the surface is convex.
 #[inline(always)]
-fn angle<L: Lane>([near, far]: &[[L; RIM_POINT]; 2]) -> L {
+fn angle<L: Lane>([near, far]: &[[L; EDGE_VALUES]; 2]) -> L {
     let along = [near[0], near[1], near[2]];
     let [one, other] = [near, far].map(|side| [side[3], side[4], side[5]]);
     let unit = scale(norm(along).reciprocal_or_zero(), along);
@@ -118,9 +130,13 @@ fn angle<L: Lane>([near, far]: &[[L; RIM_POINT]; 2]) -> L {
 }
 
 /// θ at one quadrature point.
-pub(super) fn angle_of<T: Real>(rims: &[Several<T>], hem: &Hem, gauss: usize) -> T {
-    let mut sides = [[T::zero(); RIM_POINT]; 2];
-    read_sides(rims, hem, gauss, |side, number, value| {
+pub(super) fn angle_of<T: Real>(
+    edge_values: &[Several<T>],
+    shared: &InteriorEdge,
+    gauss: usize,
+) -> T {
+    let mut sides = [[T::zero(); EDGE_VALUES]; 2];
+    read_sides(edge_values, shared, gauss, |side, number, value| {
         sides[side][number] = value;
     });
     angle(&sides)
@@ -129,11 +145,12 @@ pub(super) fn angle_of<T: Real>(rims: &[Several<T>], hem: &Hem, gauss: usize) ->
 impl<T: Real> Edges<'_, T> {
     /// The numbers of edges on both sides at a quadrature point.
     #[inline(always)]
-    fn sides(&self, first: usize, gauss: usize) -> [[Several<T>; RIM_POINT]; 2] {
-        let mut sides = [[Several::zero(); RIM_POINT]; 2];
+    fn sides(&self, first: usize, gauss: usize) -> [[Several<T>; EDGE_VALUES]; 2] {
+        let mut sides = [[Several::zero(); EDGE_VALUES]; 2];
         for lane in 0..WIDTH {
-            let hem = &self.plan.hems[(first + lane).min(self.plan.hems.len() - 1)];
-            read_sides(self.rims, hem, gauss, |side, number, value| {
+            let shared =
+                &self.plan.interior_edges[(first + lane).min(self.plan.interior_edges.len() - 1)];
+            read_sides(self.edge_values, shared, gauss, |side, number, value| {
                 sides[side][number].0[lane] = value;
             });
         }

@@ -75,13 +75,13 @@ impl<T: Real> Shape<T> {
 impl<T: Real> GalerkinMemory<T> {
     /// Reports the first vertices of edges where patches meet at an angle.
     pub(super) fn report_angles(&self, report: &mut dyn FnMut(Finding)) {
-        if self.rims.is_empty() {
+        if self.edge_values.is_empty() {
             return;
         }
-        for hem in &self.shape.plan.hems {
-            let mut angles = (0..GAUSS).map(|gauss| angle_of(&self.rims, hem, gauss));
+        for shared in &self.shape.plan.interior_edges {
+            let mut angles = (0..GAUSS).map(|gauss| angle_of(&self.edge_values, shared, gauss));
             if angles.any(|angle| angle.abs() > T::constant(LARGEST_ANGLE)) {
-                let (patch, edge) = hem.sides[0];
+                let (patch, edge) = shared.sides[0];
                 let corners = self.shape.plan.patches[patch as usize].corners;
                 report(Finding::Unresolved {
                     vertex: corners[usize::from(edge)],

@@ -12,14 +12,14 @@ use crate::surface::Surface;
 use crate::vec3::{Vec3, add, cross, dot, norm, scale, sub};
 
 /// Numbers at each quadrature point of an edge: x_t, n, H, κ and H0.
-pub(super) const RIM_POINT: usize = 9;
+pub(super) const EDGE_VALUES: usize = 9;
 /// Rows of these of a patch.
-pub(super) const RIM: usize = 3 * GAUSS * RIM_POINT;
+pub(super) const PATCH_EDGE_VALUES: usize = 3 * GAUSS * EDGE_VALUES;
 /// Gradient entries of an edge at each quadrature point: with respect to the angle, and to H, the length, κ and H0 on one
 /// side.
-pub(super) const HEM_POINT: usize = 5;
+pub(super) const EDGE_GRADIENT: usize = 5;
 /// Rows of these of an edge.
-pub(super) const HEM: usize = GAUSS * HEM_POINT;
+pub(super) const EDGE_GRADIENTS: usize = GAUSS * EDGE_GRADIENT;
 /// Rows of what a patch returns: derivatives with respect to the displacements of free points, and to
 /// the position and the normal of each corner. Derivatives with respect to parameters that vary follow, at
 /// free points.
@@ -265,10 +265,10 @@ impl<'a, T: Real, const GRADIENT: bool> SlotKernel<(), InsideSlots<'a, T>>
     for Inside<'_, T, GRADIENT>
 {
     #[inline(always)]
-    fn set(&self, (): &mut (), start: usize, ((energies, rims), bars): InsideSlots<'a, T>) {
+    fn set(&self, (): &mut (), start: usize, ((energies, edge_values), bars): InsideSlots<'a, T>) {
         use crate::element::Slots;
-        let slots = energies.iter_mut().zip(rims.into_slots()).zip(bars);
-        for (index, ((energy, rim), bars)) in slots.enumerate() {
+        let slots = energies.iter_mut().zip(edge_values.into_slots()).zip(bars);
+        for (index, ((energy, values), bars)) in slots.enumerate() {
             let first = (start + index) * WIDTH;
             let patches = self.shape.patches(self.surface, first);
             *energy = Several::zero();
@@ -288,18 +288,18 @@ impl<'a, T: Real, const GRADIENT: bool> SlotKernel<(), InsideSlots<'a, T>>
                     spread(bars, node, &point.gradient(strength, spontaneous));
                 }
             }
-            for (number, (node, rim)) in (self.shape.basis.edges.iter())
-                .zip(rim.chunks_exact_mut(RIM_POINT))
+            for (number, (node, values)) in (self.shape.basis.edges.iter())
+                .zip(values.chunks_exact_mut(EDGE_VALUES))
                 .enumerate()
             {
                 let derivatives = patches.derivatives(node);
                 let point = Point::new(derivatives);
                 let along = tangent(number / GAUSS, derivatives[0], derivatives[1]);
-                rim[..3].copy_from_slice(&along);
-                rim[3..6].copy_from_slice(&point.normal);
-                rim[6] = point.mean();
-                rim[7] = modulus.at(node);
-                rim[8] = spontaneous.at(node);
+                values[..3].copy_from_slice(&along);
+                values[3..6].copy_from_slice(&point.normal);
+                values[6] = point.mean();
+                values[7] = modulus.at(node);
+                values[8] = spontaneous.at(node);
             }
             // Entries that no patch is left for count nothing.
             for lane in 0..WIDTH {
@@ -316,7 +316,7 @@ pub(super) struct Back<'a, T> {
     pub(super) shape: &'a Shape<T>,
     pub(super) surface: Surface<'a, T>,
     pub(super) inside: &'a [Bars<T>],
-    pub(super) hems: &'a [Several<T>],
+    pub(super) edge_gradients: &'a [Several<T>],
     pub(super) material: [Field<'a, T>; 2],
 }
 
@@ -331,7 +331,7 @@ impl<'a, T: Real> SlotKernel<(), Strided<'a, Several<T>>> for Back<'_, T> {
             self.set_fields(&patches, first, returned);
             for (number, node) in self.shape.basis.edges.iter().enumerate() {
                 let (edge, gauss) = (number / GAUSS, number % GAUSS);
-                let given = self.hem_at(first, edge, gauss);
+                let given = self.edge_gradient(first, edge, gauss);
                 let derivatives = patches.derivatives(node);
                 let point = Point::new(derivatives);
                 let along = tangent(edge, derivatives[0], derivatives[1]);
@@ -396,17 +396,23 @@ impl<T: Real> Back<'_, T> {
 
     /// The derivatives that edges return for a quadrature point.
     #[inline(always)]
-    fn hem_at(&self, first: usize, edge: usize, gauss: usize) -> [Several<T>; HEM_POINT] {
-        let mut given = [Several::zero(); HEM_POINT];
+    fn edge_gradient(
+        &self,
+        first: usize,
+        edge: usize,
+        gauss: usize,
+    ) -> [Several<T>; EDGE_GRADIENT] {
+        let mut given = [Several::zero(); EDGE_GRADIENT];
         for lane in 0..WIDTH {
             let patch = self.shape.plan.patch_in(first, lane);
-            let (hem, reversed) = patch.edges[edge];
-            if hem == NONE {
+            let (shared, reversed) = patch.edges[edge];
+            if shared == NONE {
                 continue;
             }
-            let (block, entry) = (hem as usize / WIDTH, hem as usize % WIDTH);
+            let (block, entry) = (shared as usize / WIDTH, shared as usize % WIDTH);
             let gauss = if reversed { GAUSS - 1 - gauss } else { gauss };
-            let rows = &self.hems[block * HEM + gauss * HEM_POINT..][..HEM_POINT];
+            let rows = &self.edge_gradients[block * EDGE_GRADIENTS + gauss * EDGE_GRADIENT..]
+                [..EDGE_GRADIENT];
             for (given, row) in given.iter_mut().zip(rows) {
                 given.0[lane] = row.0[entry];
             }

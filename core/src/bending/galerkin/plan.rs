@@ -74,7 +74,7 @@ pub(super) struct Patch {
 
 /// An edge between two triangles that count: where these have the edge.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Hem {
+pub(super) struct InteriorEdge {
     /// Number of the triangle among those that count, and its local edge.
     pub(super) sides: [(u32, u8); 2],
 }
@@ -100,7 +100,7 @@ pub(super) struct Plan {
     pub(super) patches: Vec<Patch>,
     /// The triangle of the mesh that each is.
     pub(super) triangles: Vec<u32>,
-    pub(super) hems: Vec<Hem>,
+    pub(super) interior_edges: Vec<InteriorEdge>,
     /// For each vertex, the places among neighbours at which it is listed.
     pub(super) listed_offsets: Vec<usize>,
     pub(super) listed: Vec<Place>,
@@ -180,7 +180,7 @@ impl Plan {
                 .collect(),
             patches: Vec::new(),
             triangles,
-            hems: Vec::new(),
+            interior_edges: Vec::new(),
             listed_offsets: Vec::new(),
             listed: Vec::new(),
             ringed_offsets: Vec::new(),
@@ -325,19 +325,19 @@ impl Plan {
             if left == NONE || right == NONE {
                 continue;
             }
-            let hem = self.hems.len() as u32;
+            let shared = self.interior_edges.len() as u32;
             let [first, second] = ends;
             let side = |plan: &mut Self, triangle: u32, from: u32, reversed: bool| {
                 let patch = &mut plan.patches[triangle as usize];
                 let local = patch.corners.iter().position(|&v| v == from).unwrap_or(0);
-                patch.edges[local] = (hem, reversed);
+                patch.edges[local] = (shared, reversed);
                 (triangle, local as u8)
             };
             let sides = [
                 side(self, left, first, false),
                 side(self, right, second, true),
             ];
-            self.hems.push(Hem { sides });
+            self.interior_edges.push(InteriorEdge { sides });
         }
     }
 

@@ -25,7 +25,7 @@ pub(super) struct Evaluation<'a, T, const GRADIENT: bool> {
 
 /// Patches that are evaluated together.
 #[derive(Clone, Debug)]
-pub(super) struct Together<T> {
+pub(super) struct PatchBatch<T> {
     /// The nodes of each patch, relative to its first node.
     spokes: Vec<Vec3<Several<T>>>,
     /// Bending modulus, spontaneous curvature, energy over the modulus, area, and derivatives of the
@@ -36,10 +36,10 @@ pub(super) struct Together<T> {
     areas: [Several<T>; 3],
     gradients: [[Vec3<Several<T>>; 5]; 3],
     /// Force and mass for each node.
-    gifts: Vec<[Several<T>; 4]>,
+    contributions: Vec<[Several<T>; 4]>,
 }
 
-impl<T: Real> Default for Together<T> {
+impl<T: Real> Default for PatchBatch<T> {
     fn default() -> Self {
         Self {
             spokes: Vec::new(),
@@ -48,7 +48,7 @@ impl<T: Real> Default for Together<T> {
             energies: Default::default(),
             areas: Default::default(),
             gradients: Default::default(),
-            gifts: Vec::new(),
+            contributions: Vec::new(),
         }
     }
 }
@@ -58,7 +58,7 @@ impl<T: Real> Default for Together<T> {
 pub(super) struct PatchMemory<T> {
     pub(super) blocks: Vec<Block<T>>,
     /// Scratch memory of each thread.
-    together: Vec<Together<T>>,
+    batches: Vec<PatchBatch<T>>,
 }
 
 impl<T: Real> Patches<T> {
@@ -70,22 +70,22 @@ impl<T: Real> Patches<T> {
         controls: &[[T; 4]],
         memory: &mut PatchMemory<T>,
     ) {
-        let PatchMemory { blocks, together } = memory;
+        let PatchMemory { blocks, batches } = memory;
         blocks.resize_with(self.len().div_ceil(BLOCK), Block::default);
         let evaluation = Evaluation::<T, GRADIENT> {
             patches: self,
             material,
             controls,
         };
-        execution.run(together, &mut blocks[..], &evaluation);
+        execution.run(batches, &mut blocks[..], &evaluation);
     }
 }
 
-impl<T: Real, const GRADIENT: bool> SlotKernel<Together<T>, &mut [Block<T>]>
+impl<T: Real, const GRADIENT: bool> SlotKernel<PatchBatch<T>, &mut [Block<T>]>
     for Evaluation<'_, T, GRADIENT>
 {
     #[inline(always)]
-    fn set(&self, together: &mut Together<T>, start: usize, blocks: &mut [Block<T>]) {
+    fn set(&self, batch: &mut PatchBatch<T>, start: usize, blocks: &mut [Block<T>]) {
         for (index, block) in blocks.iter_mut().enumerate() {
             let first = (start + index) * BLOCK;
             let last = (first + BLOCK).min(self.patches.len());
@@ -94,26 +94,27 @@ impl<T: Real, const GRADIENT: bool> SlotKernel<Together<T>, &mut [Block<T>]>
             let before = self.patches.entries(first..last).start;
             if GRADIENT {
                 let nodes = self.patches.entries(first..last).len();
-                block.gifts.resize(nodes, [T::zero(); 4]);
+                block.contributions.resize(nodes, [T::zero(); 4]);
             }
             let mut patch = first;
             while patch < last {
                 let alike = patch..patch + self.patches.alike(patch, last);
                 patch = alike.end;
                 let (_, bases) = self.patches.patch(alike.start);
-                self.gather(alike.clone(), bases, together);
-                self.evaluate(bases, together);
+                self.gather(alike.clone(), bases, batch);
+                self.evaluate(bases, batch);
                 for (lane, areas) in block.areas[alike.start - first..alike.end - first]
                     .iter_mut()
                     .enumerate()
                 {
-                    block.energy += together.energy(lane);
-                    *areas = together.areas(lane);
+                    block.energy += batch.energy(lane);
+                    *areas = batch.areas(lane);
                 }
                 if GRADIENT {
                     let entries = self.patches.entries(alike);
-                    let gifts = &mut block.gifts[entries.start - before..entries.end - before];
-                    together.scatter(gifts);
+                    let contributions =
+                        &mut block.contributions[entries.start - before..entries.end - before];
+                    batch.scatter(contributions);
                 }
             }
         }
@@ -123,13 +124,13 @@ impl<T: Real, const GRADIENT: bool> SlotKernel<Together<T>, &mut [Block<T>]>
 impl<T: Real, const GRADIENT: bool> Evaluation<'_, T, GRADIENT> {
     /// Loads patches with these bases, one per entry.
     #[inline(always)]
-    fn gather(&self, alike: Range<usize>, bases: &[NodeBasis<T>], together: &mut Together<T>) {
-        let Together {
+    fn gather(&self, alike: Range<usize>, bases: &[NodeBasis<T>], batch: &mut PatchBatch<T>) {
+        let PatchBatch {
             spokes,
             moduli,
             wanted,
             ..
-        } = together;
+        } = batch;
         spokes.resize(bases.len(), [Several::zero(); 3]);
         for lane in 0..WIDTH {
             // Unused entries repeat the last patch.
@@ -154,35 +155,37 @@ impl<T: Real, const GRADIENT: bool> Evaluation<'_, T, GRADIENT> {
 
     /// Sets energies and areas, and with `GRADIENT` contributions to nodes.
     #[inline(always)]
-    fn evaluate(&self, bases: &[NodeBasis<T>], together: &mut Together<T>) {
+    fn evaluate(&self, bases: &[NodeBasis<T>], batch: &mut PatchBatch<T>) {
         let weight = T::constant(WEIGHT);
         for point in 0..3 {
             let mut derivatives = [[Several::zero(); 3]; 5];
             for (k, derivative) in derivatives.iter_mut().enumerate() {
-                *derivative = weighted(&together.spokes, bases, point, k);
+                *derivative = weighted(&batch.spokes, bases, point, k);
             }
             let geometry = Point::new(derivatives);
-            let wanted = together.wanted[point];
-            together.areas[point] = Several::splat(weight) * geometry.area;
+            let wanted = batch.wanted[point];
+            batch.areas[point] = Several::splat(weight) * geometry.area;
             // Computed without the modulus, so that an overflow through the modulus gives infinity
             // and is not masked.
-            together.energies[point] = geometry.energy(Several::splat(weight), wanted);
+            batch.energies[point] = geometry.energy(Several::splat(weight), wanted);
             if GRADIENT {
-                let strength = Several::splat(weight) * together.moduli[point];
-                together.gradients[point] = geometry.gradient(strength, wanted);
+                let strength = Several::splat(weight) * batch.moduli[point];
+                batch.gradients[point] = geometry.gradient(strength, wanted);
             }
         }
         if GRADIENT {
-            together.gifts.resize(bases.len(), [Several::zero(); 4]);
-            let gradients = together.gradients.as_flattened();
-            for (gift, basis) in together.gifts.iter_mut().zip(bases) {
-                *gift = given(basis, gradients, &together.areas);
+            batch
+                .contributions
+                .resize(bases.len(), [Several::zero(); 4]);
+            let gradients = batch.gradients.as_flattened();
+            for (contribution, basis) in batch.contributions.iter_mut().zip(bases) {
+                *contribution = given(basis, gradients, &batch.areas);
             }
         }
     }
 }
 
-impl<T: Real> Together<T> {
+impl<T: Real> PatchBatch<T> {
     /// The energy in one entry, of the points where it is a number.
     #[inline(always)]
     fn energy(&self, lane: usize) -> T {
@@ -203,9 +206,12 @@ impl<T: Real> Together<T> {
     /// Sets the contributions to each node of each patch. Separate from the loop that computes
     /// them, which compilers would otherwise fail to vectorise.
     #[inline(always)]
-    fn scatter(&self, gifts: &mut [[T; 4]]) {
-        for (lane, gifts) in gifts.chunks_exact_mut(self.gifts.len()).enumerate() {
-            for (to, [x, y, z, mass]) in gifts.iter_mut().zip(&self.gifts) {
+    fn scatter(&self, contributions: &mut [[T; 4]]) {
+        for (lane, contributions) in contributions
+            .chunks_exact_mut(self.contributions.len())
+            .enumerate()
+        {
+            for (to, [x, y, z, mass]) in contributions.iter_mut().zip(&self.contributions) {
                 *to = [x.0[lane], y.0[lane], z.0[lane], mass.0[lane]];
             }
         }

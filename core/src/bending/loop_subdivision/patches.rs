@@ -108,7 +108,7 @@ pub(super) struct Block<T> {
     /// Weighted area at each quadrature point of each patch.
     pub(super) areas: Vec<[T; 3]>,
     /// Force and mass for each node of each patch.
-    pub(super) gifts: Vec<[T; 4]>,
+    pub(super) contributions: Vec<[T; 4]>,
 }
 
 impl<T: Real> Block<T> {
@@ -314,7 +314,7 @@ impl<T: Real> Patches<T> {
         blocks: &mut [Block<T>],
     ) {
         execution.map(&mut blocks[..], |index, block| {
-            block.gifts.clear();
+            block.contributions.clear();
             for (k, &areas) in block.areas.iter().enumerate() {
                 let (nodes, bases) = self.patch(index * BLOCK + k);
                 let mut values = [[T::zero(); 4]; 3];
@@ -324,8 +324,8 @@ impl<T: Real> Patches<T> {
                 for (value, area) in values.iter_mut().zip(areas) {
                     *value = value.map(|entry| area * entry);
                 }
-                let gifts = bases.iter().map(|basis| combine(&basis.values, &values));
-                block.gifts.extend(gifts);
+                let contributions = bases.iter().map(|basis| combine(&basis.values, &values));
+                block.contributions.extend(contributions);
             }
         });
     }
@@ -342,9 +342,10 @@ impl<T: Real> Patches<T> {
             *sum = [T::zero(); 4];
             let range = self.place_offsets[control]..self.place_offsets[control + 1];
             for place in &self.places[range] {
-                let gift = &blocks[place.block as usize].gifts[place.entry as usize];
+                let contribution =
+                    &blocks[place.block as usize].contributions[place.entry as usize];
                 for axis in 0..4 {
-                    sum[axis] += gift[axis];
+                    sum[axis] += contribution[axis];
                 }
             }
         });

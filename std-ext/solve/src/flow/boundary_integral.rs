@@ -7,12 +7,12 @@ pub mod alone;
 mod beside;
 mod clusters;
 mod double_layer;
-mod due;
 mod far;
 mod geometry;
 mod interpolation;
 mod kernel;
 mod panel;
+mod partial_sums;
 mod single_layer;
 mod sums;
 

@@ -6,10 +6,10 @@
 //! Krasny, Comput. Phys. Commun. 265, 108017 (2021).
 
 use super::clusters::{Tree, in_two};
-use super::due::Due;
 use super::geometry::Geometry;
 use super::interpolation::SEPARATION;
 use super::kernel::{Expansion, Kernel, Scaled, Units};
+use super::partial_sums::PartialSums;
 use super::sums::{self, Columns};
 use crate::flow::vectors::Vectors;
 use glam::DVec3;
@@ -465,11 +465,11 @@ where
             }
             let origin = target.centre;
             let rows: Vec<_> = nodes.iter().map(|node| node.to_array()).collect();
-            let mut due = Due::new(self.columns(origin, &rows), &mut sums);
+            let mut partial = PartialSums::new(self.columns(origin, &rows), &mut sums);
             for &number in &interpolated {
-                due.add(self.kernel.distant(), self.seen(origin, self.nodes(number)));
+                partial.add(self.kernel.distant(), self.seen(origin, self.nodes(number)));
             }
-            due.finish(self.kernel.distant());
+            partial.finish(self.kernel.distant());
             visit.around = Some(Arc::new((visit.cluster, sums)));
         }
         let [left, right] = children?;
@@ -501,14 +501,14 @@ where
         } else {
             self.add_sources::<f64>(visit, DVec3::ZERO, &rows, &mut columns);
         }
-        let mut due = Due::new(self.columns(leaf.centre, &rows), &mut columns);
+        let mut partial = PartialSums::new(self.columns(leaf.centre, &rows), &mut columns);
         for direct in &visit.direct {
             if let Direct::Nodes(number) = *direct {
                 let nodes = self.seen(leaf.centre, self.nodes(number));
-                due.add(self.kernel.distant(), nodes);
+                partial.add(self.kernel.distant(), nodes);
             }
         }
-        due.finish(self.kernel.distant());
+        partial.finish(self.kernel.distant());
         for (k, (sum, &target)) in sums.iter_mut().zip(&rows).enumerate() {
             *sum = columns.row(k);
             if let Some(around) = &visit.around {
@@ -533,14 +533,14 @@ where
     ) where
         K: Kernel<V, TARGET, SOURCE, SUM>,
     {
-        let mut due = Due::<V, _, _, _>::new(self.columns(origin, targets), sums);
+        let mut partial = PartialSums::<V, _, _, _>::new(self.columns(origin, targets), sums);
         for direct in &visit.direct {
             if let Direct::Sources(number) = *direct {
                 let points = self.sources.clusters[number].points.clone();
-                due.add(self.kernel, self.seen(origin, &self.numbers[points]));
+                partial.add(self.kernel, self.seen(origin, &self.numbers[points]));
             }
         }
-        due.finish(self.kernel);
+        partial.finish(self.kernel);
     }
 
     /// The numbers of points relative to an origin, in units.

@@ -7,10 +7,10 @@ use pulp::Arch;
 
 /// Number of sources of a part: few enough for the rounding errors of single precision, and enough to repay the
 /// start of a loop.
-pub(super) const DUE: usize = 128;
+pub(super) const PART: usize = 128;
 
-/// Sources that are due to be added to sums.
-pub(super) struct Due<'a, T, const TARGET: usize, const SOURCE: usize, const SUM: usize> {
+/// Sources that are to be added to sums, a part at a time.
+pub(super) struct PartialSums<'a, T, const TARGET: usize, const SOURCE: usize, const SUM: usize> {
     targets: Columns<T, TARGET>,
     sources: Vec<[T; SOURCE]>,
     part: Columns<T, SUM>,
@@ -18,7 +18,7 @@ pub(super) struct Due<'a, T, const TARGET: usize, const SOURCE: usize, const SUM
 }
 
 impl<'a, T: Vectors, const TARGET: usize, const SOURCE: usize, const SUM: usize>
-    Due<'a, T, TARGET, SOURCE, SUM>
+    PartialSums<'a, T, TARGET, SOURCE, SUM>
 {
     pub(super) fn new(targets: Columns<T, TARGET>, sums: &'a mut Columns<f64, SUM>) -> Self {
         Self {
@@ -36,12 +36,12 @@ impl<'a, T: Vectors, const TARGET: usize, const SOURCE: usize, const SUM: usize>
         sources: impl Iterator<Item = [T; SOURCE]>,
     ) {
         self.sources.extend(sources);
-        if self.sources.len() >= DUE {
+        if self.sources.len() >= PART {
             self.finish(kernel);
         }
     }
 
-    /// Adds what is due.
+    /// Adds the sources of the last part.
     pub(super) fn finish<K: Kernel<T, TARGET, SOURCE, SUM>>(&mut self, kernel: K) {
         self.part.clear();
         Arch::new().dispatch(Task {
