@@ -372,7 +372,7 @@ impl<T: Real> Chosen<T> {
         let (candidate, _) = best?;
         let variance = self.all[candidate].variance[quantity][vertex];
         let of_jets = self.of_jets[quantity][vertex];
-        let expected_of_jets = of_jets * T::constant(BAR.powi(-2));
+        let expected_of_jets = of_jets * T::constant(1.0 / (BAR * BAR));
         if self.is_clean {
             return Some((candidate, of_jets, expected_of_jets));
         }

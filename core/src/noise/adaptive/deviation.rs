@@ -190,8 +190,8 @@ fn add_hidden<T: Real>(
         let [fourth, _, sixth, _] = decays[vertex].0;
         let square = sixth / fourth;
         // False for NaN.
-        let is_telling = square <= T::constant(AROUND_VERTICES.slow.powi(2))
-            && decays[vertex].is_resolved(&AROUND_VERTICES);
+        let slow = T::constant(AROUND_VERTICES.slow);
+        let is_telling = square <= slow * slow && decays[vertex].is_resolved(&AROUND_VERTICES);
         (is_telling && !ground.is_near_border(vertex)).then_some(square)
     };
     let hidden = hidden::variances(execution, ground, force, [jets, &wider], decay);
