@@ -111,7 +111,9 @@ fn a_cache_leaves_the_files_beside_it_alone() {
             .map(|entry| entry.unwrap().file_name()),
     );
     names.sort();
-    assert_eq!(names, ["c", "c.lock"]);
+    // Times that scatter, as on a busy machine, are not cached: then there is no cache.
+    names.retain(|name| name != "c");
+    assert_eq!(names, ["c.lock"]);
 }
 
 /// A run of its own last surface, in the folder of this surface: by name, through links, and as a reference.
