@@ -347,7 +347,7 @@ const STEPS: u32 = 80;
 /// Copies of the positions with noise added.
 const REPLICAS: usize = 2;
 
-/// What methods are compared with.
+/// Reference of all methods.
 enum Known {
     /// Jets of degree 8 on a surface without noise, and the errors of J6 by the distances of degrees 6 and 4 from them.
     Exact {
