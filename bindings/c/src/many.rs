@@ -4,6 +4,7 @@ use crate::call::{Call, finite, finite_sum, guarded};
 use crate::membrane::{Membrane, threads};
 use crate::number::Number;
 use crate::status::{Error, Failure, Outcome, Status};
+use helfrich_std::execute::in_parts;
 use std::sync::{Mutex, PoisonError};
 
 /// A membrane with its parts of the arrays.
@@ -50,7 +51,7 @@ fn forces<N: Number + Send + Sync>(
     let workers = threads(thread_count).get().min(tasks.len());
     let queue = Mutex::new(tasks.into_iter());
     let failed: Mutex<Option<(usize, Failure)>> = Mutex::new(None);
-    let work = || {
+    in_parts(0..workers, &|_| {
         loop {
             let next = queue.lock().unwrap_or_else(PoisonError::into_inner).next();
             let Some((index, membrane, at, force, energy)) = next else {
@@ -72,12 +73,6 @@ fn forces<N: Number + Send + Sync>(
                 }
             }
         }
-    };
-    std::thread::scope(|scope| {
-        for _ in 1..workers {
-            scope.spawn(work);
-        }
-        work();
     });
     match failed.into_inner().unwrap_or_else(PoisonError::into_inner) {
         None => Ok(()),

@@ -128,12 +128,36 @@ fn on_threads<'a>(next: &mut dyn FnMut() -> Option<Task<'a>>) {
     });
 }
 
-/// Runs `work` for each part, the first on this thread.
-fn share<P: Send>(mut parts: impl Iterator<Item = P>, work: &(impl Fn(P) + Sync)) {
+/// Runs `work` for each part, the first on this thread and every other one on a thread of its own.
+///
+/// # Panics
+/// If `work` does.
+pub fn in_parts<P: Send>(mut parts: impl Iterator<Item = P>, work: &(impl Fn(P) + Sync)) {
     on_threads(&mut || {
         let part = parts.next()?;
         Some(Box::new(move || work(part)))
     });
+}
+
+/// The results of both, on two threads where there are two; each receives its share of the threads.
+///
+/// # Panics
+/// If one of them does.
+pub fn in_two<T: Send>(
+    threads: usize,
+    one: impl FnOnce(usize) -> T + Send,
+    other: impl FnOnce(usize) -> T + Send,
+) -> [T; 2] {
+    if threads < 2 {
+        return [one(1), other(1)];
+    }
+    let (mut first, mut second) = (None, None);
+    let tasks: [Task<'_>; 2] = [
+        Box::new(|| second = Some(other(threads - threads / 2))),
+        Box::new(|| first = Some(one(threads / 2))),
+    ];
+    in_parts(tasks.into_iter(), &|task: Task<'_>| task());
+    [first, second].map(|result| result.expect("both have run"))
 }
 
 /// Number of threads that are worth starting for slots of which the first [`FIRST_SLOTS`] took this time.
@@ -272,7 +296,7 @@ impl Execution for Parallel {
             return onto((0, output));
         }
         let parts = output[..vertices].chunks_mut(size).enumerate();
-        share(parts.map(|(k, part)| (k * size, part)), &onto);
+        in_parts(parts.map(|(k, part)| (k * size, part)), &onto);
     }
 
     fn run<S: Default + Send, O: Slots>(
@@ -334,6 +358,6 @@ impl Parallel {
             slots: Some(rest),
             size: left.div_ceil(threads),
         };
-        share(parts, run);
+        in_parts(parts, run);
     }
 }

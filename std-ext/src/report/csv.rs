@@ -1,6 +1,6 @@
 //! Data as CSV.
 
-use crate::execute::available_threads;
+use crate::execute::{available_threads, in_parts};
 use crate::io::push_fields;
 use crate::measurement::{Column, ColumnValues, verdict_name};
 use crate::method::Fields;
@@ -76,20 +76,13 @@ pub fn curvature_csv<T: Real>(
         let ranges = ranges.map(|first| first..positions.len().min(first + ROWS_OF_A_THREAD));
         let work = Vec::from_iter(texts.iter_mut().zip(ranges));
         let count = work.len();
-        let format_rows = |text: &mut String, range: Range<usize>| {
+        in_parts(work.into_iter(), &|(text, range): (
+            &mut String,
+            Range<usize>,
+        )| {
             text.clear();
             for vertex in range {
                 push_row(text, vertex, positions[vertex], fields, more);
-            }
-        };
-        std::thread::scope(|scope| {
-            let mut work = work.into_iter();
-            let own = work.next();
-            for (text, range) in work {
-                scope.spawn(move || format_rows(text, range));
-            }
-            if let Some((text, range)) = own {
-                format_rows(text, range);
             }
         });
         for text in &texts[..count] {

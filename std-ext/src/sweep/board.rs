@@ -1,7 +1,7 @@
 //! Runs of a sweep that take place at once.
 
 use super::{Case, Outcome, SweepError, SweepProgress, Swept};
-use crate::execute::{available_threads, with_threads};
+use crate::execute::{available_threads, in_parts, with_threads};
 use crate::run::Progress;
 use std::num::NonZeroUsize;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -91,7 +91,7 @@ impl<'a> Board<'a> {
     ) -> Result<(), SweepError> {
         let jobs = jobs.get().min(self.cases.len());
         let threads = available_threads().get();
-        let job = |number: usize| {
+        in_parts(0..jobs, &|number| {
             // All shares together are the available threads.
             let share = NonZeroUsize::new((threads + number) / jobs);
             with_threads(share.unwrap_or(NonZeroUsize::MIN), || {
@@ -106,13 +106,6 @@ impl<'a> Board<'a> {
                     }
                 }
             });
-        };
-        std::thread::scope(|scope| {
-            for number in 1..jobs {
-                let job = &job;
-                scope.spawn(move || job(number));
-            }
-            job(0);
         });
         self.shared().error.take().map_or(Ok(()), Err)
     }

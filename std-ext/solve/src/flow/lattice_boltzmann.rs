@@ -38,6 +38,7 @@ use super::vectors::Vectors;
 use boundary::Links;
 use collision::{Fluid, Slab};
 use force::{NodalForces, NodalVelocities};
+use helfrich_evaluate::execute::in_parts;
 use pulp::Arch;
 use serde::{Deserialize, Serialize};
 use std::array;
@@ -269,24 +270,16 @@ impl<T: Precision> Lattice<T> {
         let share = layout.cells[2].div_ceil(self.setup.threads.get());
         let mut planes = planes(&layout, odd, &mut self.state.populations);
         let mut velocities = velocities.map(|velocities| velocities.slabs(share));
-        std::thread::scope(|scope| {
-            let slab = |(number, planes)| Slab {
-                planes,
-                first: number * share,
-                odd,
-                layout,
-                fluid,
-                velocities: velocities.as_mut().and_then(Iterator::next),
-            };
-            let mut slabs = planes.chunks_mut(share).enumerate().map(slab);
-            let own = slabs.next();
-            for slab in slabs {
-                scope.spawn(move || Arch::new().dispatch(slab));
-            }
-            if let Some(slab) = own {
-                Arch::new().dispatch(slab);
-            }
-        });
+        let slab = |(number, planes)| Slab {
+            planes,
+            first: number * share,
+            odd,
+            layout,
+            fluid,
+            velocities: velocities.as_mut().and_then(Iterator::next),
+        };
+        let slabs = planes.chunks_mut(share).enumerate().map(slab);
+        in_parts(slabs, &|slab| Arch::new().dispatch(slab));
         self.links.bounce_back(&mut self.state.populations, odd);
         self.state.steps += 1;
     }

@@ -2,6 +2,7 @@
 
 use super::interpolation::Grid;
 use glam::{DMat3, DVec3};
+use helfrich_evaluate::execute::in_two;
 use std::ops::Range;
 
 /// Points in a box along their principal axes.
@@ -130,25 +131,6 @@ impl<P: Fn(usize) -> (DVec3, f64) + Sync> Division<'_, P> {
         }
         clusters
     }
-}
-
-/// The results of both, on two threads where there are two.
-pub(super) fn in_two<T: Send>(
-    threads: usize,
-    one: impl FnOnce(usize) -> T + Send,
-    other: impl FnOnce(usize) -> T,
-) -> [T; 2] {
-    if threads < 2 {
-        return [one(1), other(1)];
-    }
-    std::thread::scope(|scope| {
-        let one = scope.spawn(move || one(threads / 2));
-        let other = other(threads - threads / 2);
-        match one.join() {
-            Ok(one) => [one, other],
-            Err(panic) => std::panic::resume_unwind(panic),
-        }
-    })
 }
 
 /// The principal axes of points, as columns, by Jacobi's rotations of their covariance.

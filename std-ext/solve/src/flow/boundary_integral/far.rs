@@ -5,7 +5,7 @@
 //! and E. Darve, J. Comput. Phys. 228, 8712 (2009); for pairs of clusters L. Wilson, N. Vaughn and R.
 //! Krasny, Comput. Phys. Commun. 265, 108017 (2021).
 
-use super::clusters::{Tree, in_two};
+use super::clusters::Tree;
 use super::geometry::Geometry;
 use super::interpolation::SEPARATION;
 use super::kernel::{Expansion, Kernel, Scaled, Units};
@@ -13,6 +13,7 @@ use super::partial_sums::PartialSums;
 use super::sums::{self, Columns};
 use crate::flow::vectors::Vectors;
 use glam::DVec3;
+use helfrich_evaluate::execute::{in_parts, in_two};
 use pulp::Arch;
 use std::collections::VecDeque;
 use std::marker::PhantomData;
@@ -392,18 +393,12 @@ where
             }
         }
         let parts = Mutex::new(parts);
-        let work = || {
+        in_parts(0..threads.get(), &|_| {
             loop {
                 let part = parts.lock().unwrap_or_else(PoisonError::into_inner).pop();
                 let Some((visit, sums)) = part else { break };
                 self.descend(visit, sums);
             }
-        };
-        std::thread::scope(|scope| {
-            for _ in 1..threads.get() {
-                scope.spawn(work);
-            }
-            work();
         });
         sums
     }

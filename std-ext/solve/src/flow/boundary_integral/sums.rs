@@ -2,6 +2,7 @@
 
 use super::kernel::{Kernel, splat};
 use crate::flow::vectors::{Vector, Vectors};
+use helfrich_evaluate::execute::in_parts;
 use pulp::{Arch, Simd, WithSimd};
 use std::num::NonZeroUsize;
 
@@ -56,17 +57,8 @@ pub(super) fn distribute<T: Send>(
 ) {
     let share = entries.len().div_ceil(threads.get());
     let share = share.next_multiple_of(LANES).max(LANES);
-    std::thread::scope(|scope| {
-        let mut shares = entries.chunks_mut(share).enumerate();
-        let own = shares.next();
-        for (number, entries) in shares {
-            let run = &run;
-            scope.spawn(move || run(number * share, entries));
-        }
-        if let Some((_, entries)) = own {
-            run(0, entries);
-        }
-    });
+    let shares = entries.chunks_mut(share).enumerate();
+    in_parts(shares, &|(number, entries)| run(number * share, entries));
 }
 
 /// The numbers of points, one slice a number, in whole vectors.

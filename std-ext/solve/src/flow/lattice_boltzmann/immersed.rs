@@ -12,6 +12,7 @@ pub use kernel::Kernel;
 use crate::flow::lattice_boltzmann::force::{ForceSlab, NodalVelocities, checked_force};
 use crate::flow::lattice_boltzmann::reading::{Moments, Row};
 use crate::flow::lattice_boltzmann::{Lattice, LatticeError, Precision, number};
+use helfrich_evaluate::execute::in_parts;
 use kernel::Stencil;
 use rows::Rows;
 
@@ -139,16 +140,7 @@ impl Immersed {
         let slabs = lattice.nodal_forces().slabs(share);
         // Each thread visits all points in their order and adds the part in its planes, so that
         // sums do not depend on the number of threads.
-        std::thread::scope(|scope| {
-            let mut slabs = slabs.into_iter();
-            let own = slabs.next();
-            for slab in slabs {
-                scope.spawn(move || self.spread_into(slab, forces));
-            }
-            if let Some(slab) = own {
-                self.spread_into(slab, forces);
-            }
-        });
+        in_parts(slabs.into_iter(), &|slab| self.spread_into(slab, forces));
         Ok(())
     }
 
@@ -209,21 +201,16 @@ impl Immersed {
         self.nodes.resize(self.rows.nodes, [0.0; 3]);
         self.responses.resize(self.rows.nodes, 0.0);
         let share = self.rows.runs.len().div_ceil(threads).max(1);
-        std::thread::scope(|scope| {
-            let mut left = self.nodes.as_mut_slice();
-            let mut responses = self.responses.as_mut_slice();
-            for runs in self.rows.runs.chunks(share) {
-                let nodes = runs.iter().map(|run| run.count).sum();
-                let own = left.split_off_mut(..nodes).unwrap_or_default();
-                let own_responses = responses.split_off_mut(..nodes).unwrap_or_default();
-                let mut run = move || read_velocities(lattice, runs, own, own_responses);
-                // The last part is computed on this thread.
-                if left.is_empty() {
-                    run();
-                } else {
-                    scope.spawn(run);
-                }
-            }
+        let mut left = self.nodes.as_mut_slice();
+        let mut responses = self.responses.as_mut_slice();
+        let parts = self.rows.runs.chunks(share).map(|runs| {
+            let nodes = runs.iter().map(|run| run.count).sum();
+            let own = left.split_off_mut(..nodes).unwrap_or_default();
+            let own_responses = responses.split_off_mut(..nodes).unwrap_or_default();
+            (runs, own, own_responses)
+        });
+        in_parts(parts, &|(runs, velocities, responses)| {
+            read_velocities(lattice, runs, velocities, responses);
         });
         self.interpolate_nodes(threads, velocities);
     }
@@ -361,17 +348,8 @@ fn share_points(
     set: impl Fn(&[Stencil], &mut [[f64; 3]]) + Sync,
 ) {
     let share = velocities.len().div_ceil(threads).max(1);
-    std::thread::scope(|scope| {
-        let mut shares = velocities.chunks_mut(share).zip(stencils.chunks(share));
-        let own = shares.next();
-        let set = &set;
-        for (velocities, stencils) in shares {
-            scope.spawn(move || set(stencils, velocities));
-        }
-        if let Some((velocities, stencils)) = own {
-            set(stencils, velocities);
-        }
-    });
+    let shares = velocities.chunks_mut(share).zip(stencils.chunks(share));
+    in_parts(shares, &|(velocities, stencils)| set(stencils, velocities));
 }
 
 /// The velocities of some rows, one after the other, and what a force adds to them.
