@@ -9,7 +9,6 @@
 //! [`json_schema`] are generated from these tables.
 
 mod boundary;
-mod build;
 mod builder;
 mod check;
 mod drivers;
@@ -23,6 +22,7 @@ mod output;
 mod overrides;
 mod parameter;
 mod problem;
+mod read;
 mod reader;
 mod schema;
 mod shipped;
@@ -185,7 +185,7 @@ impl SceneFile {
     /// # Errors
     /// Everything that is wrong with the scene.
     pub fn parse(text: &str, path: &Path, overrides: &Overrides) -> Result<Self, SceneErrors> {
-        build::parse(text, path, overrides)
+        read::parse(text, path, overrides)
     }
 
     /// An error at the place of a key; `path` is its path, such as `surface.0.bending`.

@@ -1,8 +1,8 @@
 //! Effects on a mesh in memory, for engines that move its vertices themselves.
 
-use super::build::{checked, values};
 use super::keys::{Keys, plain};
 use super::mesh_source::{MeshFileSource, MeshFiles};
+use super::read::{checked, values};
 use super::source::Source;
 use super::value::{Entry, Node, Origin, Table, Value};
 use super::{Overrides, SceneErrors, SceneFile, effects};
