@@ -180,6 +180,7 @@ impl<T: Real> Curvatures<T> for CorrectedCurvature {
                 normal: normals[vertex],
                 mean,
                 gaussian,
+                direction: [T::zero(); 3],
                 area: T::constant(1.0 / 3.0) * area,
                 kind: mesh.vertex_kind(vertex),
             };

@@ -5,6 +5,8 @@ use crate::mesh::VertexKind;
 use crate::method::{Method, Workspace};
 use crate::real::Real;
 use crate::surface::Surface;
+use crate::vec3::cross;
+use num_traits::Float;
 
 /// Normal, curvatures and area of a surface at one vertex.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -15,11 +17,30 @@ pub struct Curvature<T> {
     pub mean: T,
     /// Gaussian curvature K = c₁ c₂.
     pub gaussian: T,
+    /// Unit tangent vector along which the surface has its larger principal curvature, of either sign; 0 where both
+    /// are equal, and for methods that determine no directions. Near umbilics errors of positions turn it.
+    pub direction: [T; 3],
     /// The area that belongs to the vertex: K and H are averages over it.
     pub area: T,
     /// Interior, boundary or isolated. Operators that need a full ring of triangles define H and K at
     /// interior vertices only, and set them to 0 elsewhere.
     pub kind: VertexKind,
+}
+
+impl<T: Real> Curvature<T> {
+    /// The principal curvatures c₁ ≥ c₂, `H ± √(H² − K)`; both are H where K is larger than H² by errors.
+    pub fn principal(&self) -> [T; 2] {
+        let root = (self.mean * self.mean - self.gaussian).max(T::zero());
+        let root = Float::sqrt(root);
+        [self.mean + root, self.mean - root]
+    }
+
+    /// The unit vectors along which the surface has the principal curvatures c₁ and c₂, with a normal a right-handed
+    /// frame; `None` where [`Self::direction`] is 0.
+    pub fn directions(&self) -> Option<[[T; 3]; 2]> {
+        let first = self.direction;
+        (first != [T::zero(); 3]).then(|| [first, cross(self.normal, first)])
+    }
 }
 
 /// A method or operator that measures curvatures.

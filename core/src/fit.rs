@@ -8,8 +8,9 @@ mod inversion;
 mod least_squares;
 mod moments;
 mod normal_equations;
+mod spacing;
 
-pub(crate) use graph::{Graph, graph_at};
+pub(crate) use graph::{Graph, force_density, graph_at};
 pub(crate) use inversion::Inversion;
 pub(crate) use least_squares::LeastSquares;
 pub(crate) use moments::{
@@ -17,3 +18,4 @@ pub(crate) use moments::{
     place_of, set_moments,
 };
 pub(crate) use normal_equations::NormalEquations;
+pub(crate) use spacing::{Spacing, spacing};

@@ -21,11 +21,9 @@ mod adaptive;
 pub(crate) mod doubt;
 mod fit;
 mod grid;
-mod one_stage;
 mod quiet;
 
 mod sharp;
-mod slopes;
 mod smoothing;
 
 use crate::diagnostic::Finding;

@@ -8,6 +8,7 @@ use crate::bending::area_vectors::{AreaVectorForce, AreaVectors};
 use crate::curvature::{Curvature, Curvatures};
 use crate::diagnostic::Finding;
 use crate::element::{Corners, ElementKernel, Execution};
+use crate::fit::Graph;
 use crate::lane::Lane;
 use crate::mesh::TriangleMesh;
 use crate::method::{Method, ParameterError, TwoPass, Workspace};
@@ -237,9 +238,17 @@ impl<T: Real> Curvatures<T> for Hamann<T> {
         self.measure(execution, surface, memory);
         let HamannMemory { sums, fits, .. } = memory;
         execution.map(&mut curvature[..fits.len()], |vertex, curvature| {
-            let [n0, n1, n2, _, _, _, c0, c1, c2, _, _, _, over, _, _] = fits[vertex];
+            let [n0, n1, n2, u0, u1, u2, c0, c1, c2, _, _, _, over, _, _] = fits[vertex];
+            let (normal, first) = ([n0, n1, n2], [u0, u1, u2]);
+            let graph = Graph {
+                first: [T::zero(); 2],
+                second: [c0, c1, c2],
+            };
+            let axes = [first, cross(normal, first), normal];
+            let [direction, _] = graph.principal(axes).directions;
             *curvature = Curvature {
-                normal: [n0, n1, n2],
+                normal,
+                direction,
                 mean: mean(&fits[vertex]),
                 gaussian: (over * c0) * (over * c2) - (over * c1) * (over * c1),
                 area: sums[vertex][3] / T::constant(3.0),

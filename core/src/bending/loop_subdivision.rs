@@ -422,6 +422,7 @@ impl<T: Real> Curvatures<T> for LoopSubdivision<T> {
                 normal: limit_normal(mesh, vertex, |v| position(controls, v)),
                 mean,
                 gaussian,
+                direction: [T::zero(); 3],
                 area: nodal[vertex][3],
                 kind: mesh.vertex_kind(vertex),
             };

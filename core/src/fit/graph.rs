@@ -3,6 +3,8 @@
 //! M. P. do Carmo, Differential Geometry of Curves and Surfaces, section 3.3; here H is positive where
 //! the heights of a sphere are those of its upper half.
 
+mod tangents;
+
 use super::moments::place_of;
 use crate::lane::Lane;
 
@@ -27,6 +29,21 @@ impl<L: Lane> Graph<L> {
                 coefficients[3],
                 two * coefficients[4],
             ],
+        }
+    }
+
+    /// The same with coordinates and heights in radii.
+    #[inline(always)]
+    pub(crate) fn in_radii(coefficients: &[L], over_radius: L) -> Self {
+        Self::of_coefficients(coefficients).enlarged(over_radius)
+    }
+
+    /// The graph whose coordinates and heights are larger by 1 over this factor.
+    #[inline(always)]
+    pub(crate) fn enlarged(self, over_factor: L) -> Self {
+        Self {
+            second: self.second.map(|entry| entry * over_factor),
+            ..self
         }
     }
 
@@ -55,6 +72,13 @@ impl<L: Lane> Graph<L> {
         let [xx, xy, yy] = self.second;
         let squared = uprightness * uprightness;
         (xx * yy - xy * xy) * (squared * squared)
+    }
+
+    /// H and K.
+    #[inline(always)]
+    pub(crate) fn curvatures(&self) -> [L; 2] {
+        let uprightness = self.uprightness();
+        [self.mean(uprightness), self.gaussian(uprightness)]
     }
 
     /// The functional that takes the coefficients of x, y, x², xy, y² of a field to its Δ_S:
@@ -122,10 +146,21 @@ fn product<L: Lane>(a: Series<L>, b: Series<L>) -> Series<L> {
     ]
 }
 
-/// Δ_S H at the origin of a polynomial height function; coefficients above degree 4 do not matter,
-/// missing ones are 0.
+/// The derivatives of H and K at the origin of a polynomial height function.
+pub(crate) struct Bending<L> {
+    /// H_x and H_y.
+    pub(crate) of_mean: [L; 2],
+    /// K_x and K_y.
+    pub(crate) of_gaussian: [L; 2],
+    /// Those of 1/√(1 + z_x² + z_y²).
+    pub(crate) of_uprightness: [L; 2],
+    /// Δ_S H.
+    pub(crate) laplacian_of_mean: L,
+}
+
+/// The derivatives of H and K; coefficients above degree 4 do not matter, missing ones are 0.
 #[inline(always)]
-pub(crate) fn laplacian_of_mean<L: Lane>(coefficients: &[L]) -> L {
+pub(crate) fn bending<L: Lane>(coefficients: &[L]) -> Bending<L> {
     // The derivative by x and y of these orders, to degree 2.
     let derivative = |by_x: usize, by_y: usize| -> Series<L> {
         core::array::from_fn(|place| {
@@ -170,5 +205,24 @@ pub(crate) fn laplacian_of_mean<L: Lane>(coefficients: &[L]) -> L {
     for (&factor, &coefficient) in functional.iter().zip(&mean[1..]) {
         sum = sum + factor * coefficient;
     }
-    sum
+    let (two, fourth) = (L::literal(2.0), squared * squared);
+    let determinant = xx[0] * yy[0] - xy[0] * xy[0];
+    let of_gaussian = [1, 2].map(|k| {
+        let of_determinant = xx[k] * yy[0] + xx[0] * yy[k] - two * xy[0] * xy[k];
+        (of_determinant - two * determinant * growth[k]) * fourth
+    });
+    Bending {
+        of_mean: [mean[1], mean[2]],
+        of_gaussian,
+        of_uprightness: [1, 2].map(|k| L::literal(-0.5) * growth[k] * uprightness),
+        laplacian_of_mean: sum,
+    }
+}
+
+/// f = 2[Δ_S H + 2H(H² − K)] at the origin of a polynomial height function.
+#[inline(always)]
+pub(crate) fn force_density<L: Lane>(coefficients: &[L]) -> L {
+    let [mean, gaussian] = Graph::of_coefficients(coefficients).curvatures();
+    let two = L::literal(2.0);
+    two * (bending(coefficients).laplacian_of_mean + two * mean * (mean * mean - gaussian))
 }

@@ -7,7 +7,7 @@
 //!
 //! J. H. White, Proc. Am. Math. Soc. 38 (1973) 162.
 
-use super::graph::{Graph, laplacian_of_mean};
+use super::graph::{Bending, Graph, bending};
 use crate::lane::Lane;
 
 /// The inversion with b = β n, in a frame of which n is the third axis.
@@ -23,6 +23,8 @@ pub(crate) struct Bent<L> {
     pub(crate) mean: L,
     /// K.
     pub(crate) gaussian: L,
+    /// H_x and H_y, K_x and K_y.
+    pub(crate) slopes: [[L; 2]; 2],
     /// Δ_S H of the surface itself, from the coefficients up to degree 4.
     pub(crate) laplacian_of_mean: L,
 }
@@ -52,14 +54,32 @@ impl<L: Lane> Inversion<L> {
         let uprightness = graph.uprightness();
         let (flat, two) = (graph.mean(uprightness), L::literal(2.0));
         let gaussian = graph.gaussian(uprightness);
-        let shift = -(two * self.0 * uprightness);
+        let twice = two * self.0;
+        let shift = -(twice * uprightness);
         let bent = |mean: L, gaussian: L| two * mean * (mean * mean - gaussian);
         let mean = flat + shift;
-        let density = laplacian_of_mean(coefficients) + bent(flat, gaussian);
+        let Bending {
+            of_mean,
+            of_gaussian,
+            of_uprightness,
+            laplacian_of_mean,
+        } = bending(coefficients);
+        let density = laplacian_of_mean + bent(flat, gaussian);
+        // Lengths grow by the factor 1 + 2β z + …, curvatures shrink by it.
+        let slopes = [0, 1].map(|k| {
+            let growth = twice * graph.first[k];
+            let of_shift = -(twice * of_uprightness[k]);
+            let of_flat = of_mean[k] + flat * growth;
+            let of_image = of_gaussian[k] + two * gaussian * growth;
+            let of_gaussian =
+                of_image + of_shift * (two * flat + shift) + shift * (two * of_flat + of_shift);
+            [of_flat + of_shift, of_gaussian]
+        });
         let gaussian = gaussian + shift * (two * flat + shift);
         Bent {
             mean,
             gaussian,
+            slopes: [0, 1].map(|which| slopes.map(|of| of[which])),
             laplacian_of_mean: density - bent(mean, gaussian),
         }
     }

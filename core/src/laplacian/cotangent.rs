@@ -80,6 +80,7 @@ impl Cotangent {
                 normal,
                 mean,
                 gaussian,
+                direction: [T::zero(); 3],
                 area,
                 kind,
             };

@@ -11,12 +11,11 @@
 
 mod block;
 mod fits;
-mod spacing;
 
 use crate::curvature::{Curvature, Curvatures};
 use crate::diagnostic::Finding;
 use crate::element::{Execution, Ragged, of_vertices};
-use crate::fit::{HIGHEST_DEGREE, NormalEquations, coefficient_count};
+use crate::fit::{HIGHEST_DEGREE, NormalEquations, coefficient_count, spacing};
 use crate::lane::Lane;
 use crate::laplacian::{Cotangent, LaplaceBeltrami, Rows, VertexSums, expect_measured};
 use crate::mesh::TriangleMesh;
@@ -27,9 +26,9 @@ use crate::real::Real;
 use crate::surface::Surface;
 use crate::triangle::DualArea;
 use crate::vec3::Vec3;
+use alloc::vec;
 use alloc::vec::Vec;
-use fits::{Fits, Scratch};
-use spacing::spacing;
+use fits::{Derivatives, Fits, Scratch};
 
 /// Weighted least-squares jets: around each vertex a polynomial height function over the tangent
 /// plane is fitted to the nearest vertices along the surface.
@@ -75,8 +74,7 @@ impl<T: Real> Jet<T> {
         }
     }
 
-    /// Degree 8: for meshes of about five thousand vertices and more, at three to four times the cost of
-    /// degree 6.
+    /// Degree 8: for meshes of a few thousand vertices and more, at three to four times the cost of degree 6.
     pub fn j8() -> Self {
         Self {
             degree: 8,
@@ -98,12 +96,18 @@ impl<T: Real> Jet<T> {
         }
     }
 
-    /// Degree 6 from 1000 vertices on, degree 4 below.
+    /// Degree 8 from 2500 vertices of the largest component on, degree 6 from 1000 on, degree 4 below: higher
+    /// degrees have larger errors of f on irregular discocytes of fewer vertices.
     pub fn for_mesh(mesh: &TriangleMesh) -> Self {
-        if mesh.vertex_count() < 1000 {
-            Self::j4()
-        } else {
-            Self::j6()
+        let (components, number) = mesh.components();
+        let mut sizes = vec![0; number];
+        for component in components {
+            sizes[component as usize] += 1;
+        }
+        match sizes.into_iter().max() {
+            Some(2500..) => Self::j8(),
+            Some(1000..) => Self::j6(),
+            _ => Self::j4(),
         }
     }
 }
@@ -140,8 +144,7 @@ pub struct JetMemory<T> {
     bounds: Vec<i32>,
     /// The normals of the mesh.
     normals: Vec<Vec3<T>>,
-    /// Δ_S H of each fitted surface, without what the row yields of H of that surface.
-    missing: Vec<T>,
+    derivatives: Vec<Derivatives<T>>,
     /// H and K of each fit at the vertices of the one-ring, NaN where they are no neighbours of the fit.
     ring_curvatures: Vec<[T; 2]>,
     ring_offsets: Vec<usize>,
@@ -166,6 +169,12 @@ impl<T> JetMemory<T> {
 }
 
 impl<T: Real> JetMemory<T> {
+    /// The gradients of H, in 1/length², and of K, in 1/length³, on the polynomial of a vertex; 0 where there is no
+    /// fit.
+    pub fn gradients(&self, vertex: usize) -> [[T; 3]; 2] {
+        self.derivatives[vertex].gradients
+    }
+
     /// The neighbours of a fit, and its row of Δ_S.
     pub(crate) fn row(&self, vertex: usize) -> (&[u32], &[T]) {
         self.rows.row(vertex)
@@ -247,7 +256,7 @@ impl<T: Real> Method<T> for Jet<T> {
             degrees: Vec::new(),
             bounds: Vec::new(),
             normals: Vec::new(),
-            missing: Vec::new(),
+            derivatives: Vec::new(),
             ring_curvatures: Vec::new(),
             ring_offsets: offsets.map(|&offset| offset as usize).collect(),
             disagreements: Vec::new(),
@@ -305,7 +314,7 @@ impl<T: Real> Curvatures<T> for Jet<T> {
             degrees,
             bounds,
             normals,
-            missing,
+            derivatives,
             ring_curvatures,
             ring_offsets,
             disagreements,
@@ -319,11 +328,11 @@ impl<T: Real> Curvatures<T> for Jet<T> {
         normals.extend(curvature.iter().map(|at| at.normal));
         degrees.resize(vertices, 0);
         bounds.resize(vertices, 0);
-        missing.resize(vertices, T::zero());
+        derivatives.resize(vertices, Derivatives::default());
         disagreements.resize(vertices, [T::zero(); 2]);
         apart.resize(vertices, false);
         ring_curvatures.resize(surface.mesh().ring_vertices().len(), [T::zero(); 2]);
-        let numbers = (&mut degrees[..], (&mut bounds[..], &mut missing[..]));
+        let numbers = (&mut degrees[..], (&mut bounds[..], &mut derivatives[..]));
         let of_fits = (
             Ragged::new(ring_curvatures, ring_offsets),
             rows.slots(vertices, *room),
@@ -404,9 +413,9 @@ impl<T: Real> LaplaceBeltrami<T> for Jet<T> {
         laplacian: &mut [T],
     ) {
         self.apply_to_scalar(execution, surface, workspace, field, laplacian);
-        let missing = &workspace.for_mesh(surface.mesh()).missing;
-        execution.map(&mut laplacian[..missing.len()], |vertex, value| {
-            *value += factor(vertex) * missing[vertex];
+        let derivatives = &workspace.for_mesh(surface.mesh()).derivatives;
+        execution.map(&mut laplacian[..derivatives.len()], |vertex, value| {
+            *value += factor(vertex) * derivatives[vertex].missing;
         });
     }
 

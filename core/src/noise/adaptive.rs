@@ -19,6 +19,7 @@ mod deviation;
 mod ground;
 mod hidden;
 mod jets;
+mod kind;
 mod level;
 mod principal;
 mod settle;
@@ -35,7 +36,8 @@ use choice::{Candidate, Chosen};
 use deviation::Deviations;
 use ground::Ground;
 use jets::Jets;
-use level::{Estimates, Kind, Level};
+use kind::Kind;
+use level::{Estimates, Level};
 
 /// Number of independent errors whose effect is followed.
 const REPLICAS: usize = 12;
@@ -49,19 +51,20 @@ const QUANTITIES: usize = 3;
 /// The place of f.
 const FORCE: usize = QUANTITIES - 1;
 
-/// The largest number of nearest vertices over which estimates are averaged.
+/// The largest number of nearest vertices over which estimates are averaged, and the number that shows places where
+/// they are larger than in their surroundings.
 const POOL: usize = 100;
+const LOCAL: usize = 12;
 
 /// Marks an entry without a vertex.
 const NONE: u32 = u32::MAX;
 
-/// Numbers of neighbours of regression jets. Meshes of [`LARGE`] vertices or more have the coarser
-/// ladder, with errors at most 1.5 times as large.
-const LADDER: [usize; 8] = [45, 64, 90, 128, 181, 256, 362, 512];
+/// Numbers of neighbours of regression jets on meshes of [`LARGE`] vertices or more, with errors at most 1.5 times
+/// as large.
 const COARSE_LADDER: [usize; 5] = [45, 64, 128, 256, 512];
 const LARGE: usize = 100_000;
 
-/// Number of neighbours after those of [`LADDER`], where these still gain at more than the fraction
+/// Number of neighbours after those of [`AdaptiveJet::LADDER`], where these still gain at more than the fraction
 /// [`RISING`] of the vertices. On a discocyte of 40 962 vertices with noise of 0.03 edges, it divides the
 /// errors of H and K by 2 and that of f by 4. Its fits take two thirds of the time of all others and 12 kB
 /// for each vertex, too much for meshes of [`LARGE`]. A mesh needs [`NEIGHBOURHOODS`] times as many
@@ -106,6 +109,12 @@ pub struct AdaptiveJet<T> {
     /// number, of degree 4 or 6, wherever these are possible. With `None` the number is chosen at every
     /// vertex.
     pub neighbours: Option<usize>,
+}
+
+impl<T> AdaptiveJet<T> {
+    /// Numbers of neighbours that are tried on a surface with noise, unless it has fewer vertices, or so many that
+    /// every second one suffices.
+    pub const LADDER: [usize; 8] = [45, 64, 90, 128, 181, 256, 362, 512];
 }
 
 impl<T: Real> Default for AdaptiveJet<T> {
@@ -374,10 +383,14 @@ impl<T: Real> AdaptiveJet<T> {
         names: Option<&[u32]>,
     ) -> Begun<'s, T> {
         let mut jets = Jets::new(execution, surface);
-        let ground = Ground::new(execution, surface, names, &jets.curvature);
+        let mut ground = Ground::new(execution, surface, names, &jets.curvature);
         let is_free = self.deviation == T::zero() && self.neighbours.is_none();
         let is_smooth = ground.marks.is_empty() && !ground.is_on_grid;
         let is_quiet = is_free && is_smooth && jets.are_quiet(execution, &ground);
+        if !is_quiet {
+            ground.widen(execution);
+        }
+        let ground = ground;
         let rings = if is_quiet { ONE_STAGE } else { u8::MAX };
         let level = |kind: Kind<T>| Level::within(execution, &ground, &kind, rings);
         let twin = level(Kind::interpolating());
@@ -417,7 +430,7 @@ impl<T: Real> AdaptiveJet<T> {
             // The fits with fewer neighbours have less bias, and are there for comparison.
             Some(neighbours) => {
                 let narrow = (neighbours as f64 / 1.42).max(28.0) as usize;
-                let mut ladder = vec![LADDER[0], narrow, neighbours.max(28)];
+                let mut ladder = vec![Self::LADDER[0], narrow, neighbours.max(28)];
                 ladder.sort_unstable();
                 ladder.dedup();
                 ladder.retain(|&rung| rung <= neighbours.max(28));
@@ -425,8 +438,8 @@ impl<T: Real> AdaptiveJet<T> {
             }
             // Without noise no fit is better than the jets.
             None if !deviations.is_seen() && !ground.is_on_grid => Vec::new(),
-            None if vertices < NEIGHBOURHOODS * WIDEST => LADDER.to_vec(),
-            None if vertices < LARGE => LADDER.iter().copied().chain([WIDEST]).collect(),
+            None if vertices < NEIGHBOURHOODS * WIDEST => Self::LADDER.to_vec(),
+            None if vertices < LARGE => Self::LADDER.iter().copied().chain([WIDEST]).collect(),
             None => COARSE_LADDER.to_vec(),
         }
     }

@@ -9,16 +9,14 @@
 
 use super::fit::{HeightFit, Model};
 use super::normals;
-use super::slopes::Slopes;
 use crate::diagnostic::Finding;
+use crate::fit::{Graph, spacing};
 use crate::lane::Lane;
-use crate::mesh::VertexKind;
 use crate::neighbourhood::Neighbourhood;
 use crate::real::Real;
 use crate::surface::Surface;
-use crate::vec3::{Vec3, dot, tangent_frame};
+use crate::vec3::{Vec3, tangent_frame};
 use alloc::vec::Vec;
-use core::array::from_fn;
 
 /// Least spread of neighbours that determine a fit of degree 2 to 8: see [`HeightFit::spread`].
 const SPREAD: [f64; 7] = [0.1, 0.08, 0.06, 0.05, 0.03, 0.03, 0.015];
@@ -133,34 +131,13 @@ pub(super) fn largest_curvature<T: Real>(mean: T, gaussian: T) -> T {
     mean.abs() + (mean * mean - gaussian).max(T::zero()).sqrt()
 }
 
-/// The largest ratio of the spacings in different directions at the vertices within two edges of each.
+/// The largest ratio of the spacings along and across rows at the vertices within two edges of each.
 pub(super) fn aspects<T: Real>(surface: Surface<'_, T>, normals: &[Vec3<T>]) -> Vec<T> {
-    let mesh = surface.mesh();
-    let own = normals.iter().enumerate();
-    let own = Vec::from_iter(own.map(|(vertex, &normal)| elongation(surface, normal, vertex)));
-    // Tensors around a pole or a single needle cancel, those of rows do not.
-    let mean = normals.iter().enumerate().map(|(vertex, &normal)| {
-        let ring = mesh.one_ring(vertex);
-        let sum = ring.iter().fold(own[vertex], |sum, &other| {
-            from_fn(|k| sum[k] + own[other as usize][k])
-        });
-        let [x, y] = tangent_frame(normal);
-        let part = |a: Vec3<T>, b: Vec3<T>| {
-            let [xx, xy, xz, yy, yz, zz] = sum;
-            dot(
-                a,
-                [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]].map(|row| dot(row, b)),
-            )
-        };
-        let half = T::constant(0.5);
-        let [off, mixed] = [half * (part(x, x) - part(y, y)), part(x, y)];
-        let over = T::constant((ring.len() + 1) as f64).recip();
-        (over * (off * off + mixed * mixed).sqrt()).exp()
-    });
-    let mut most = Vec::from_iter(mean);
+    let own = (0..normals.len()).map(|vertex| spacing(surface, normals, vertex).aspect);
+    let mut most = Vec::from_iter(own);
     for _ in 0..2 {
         let wider = (0..most.len()).map(|vertex| {
-            let ring = mesh.one_ring(vertex).iter();
+            let ring = surface.mesh().one_ring(vertex).iter();
             ring.fold(most[vertex], |most_of_all, &other| {
                 most_of_all.max(most[other as usize])
             })
@@ -168,49 +145,6 @@ pub(super) fn aspects<T: Real>(surface: Surface<'_, T>, normals: &[Vec3<T>]) -> 
         most = Vec::from_iter(wider);
     }
     most
-}
-
-/// Largest ratio of spacings that counts as such.
-const LONGEST: f64 = 36.0;
-
-/// The logarithm of the ratio of the spacings around a vertex where they are longest and shortest, times the
-/// difference of the projections onto these directions; entries xx, xy, xz, yy, yz, zz.
-fn elongation<T: Real>(surface: Surface<'_, T>, normal: Vec3<T>, vertex: usize) -> [T; 6] {
-    let mesh = surface.mesh();
-    let ring = mesh.one_ring(vertex);
-    let axes = tangent_frame(normal);
-    let mut sums = [T::zero(); 3];
-    let mut add = |edge: Vec3<T>| {
-        let [x, y] = axes.map(|axis| dot(edge, axis));
-        for (sum, square) in sums.iter_mut().zip([x * x, x * y, y * y]) {
-            *sum += square;
-        }
-    };
-    let rims = match mesh.vertex_kind(vertex) {
-        VertexKind::Interior => ring.len(),
-        _ => ring.len().saturating_sub(1),
-    };
-    for (place, &other) in ring.iter().enumerate() {
-        add(surface.difference(vertex as u32, other));
-        if place < rims {
-            add(surface.difference(other, ring[(place + 1) % ring.len()]));
-        }
-    }
-    let [xx, xy, yy] = sums;
-    let half = T::constant(0.5);
-    let (middle, off) = (half * (xx + yy), half * (xx - yy));
-    let apart = (off * off + xy * xy).sqrt();
-    let ratio = (middle + apart) / (middle - apart).max(T::zero());
-    let size = (half * ratio.ln()).min(T::constant(LONGEST).ln());
-    // A symmetric tensor without trace whose larger eigenvalue is the size.
-    let factor = size * apart.reciprocal_or_zero();
-    let [x, y] = axes;
-    let (of_squares, of_product) = (factor * off, factor * xy);
-    [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].map(|(i, j)| {
-        let entry =
-            of_squares * (x[i] * x[j] - y[i] * y[j]) + of_product * (x[i] * y[j] + y[i] * x[j]);
-        if entry.is_finite() { entry } else { T::zero() }
-    })
 }
 
 /// Reports the vertices in rows whose fits are not determined, or disagree with those of their neighbours.
@@ -256,7 +190,8 @@ pub(crate) fn report_rows<T: Real>(
             &[],
             fields,
         );
-        let [curvature, gaussian] = Slopes::new(&coefficients, fit.radius()).curvatures();
+        let [curvature, gaussian] =
+            Graph::in_radii(&coefficients, fit.radius().recip()).curvatures();
         let is_long = aspects[vertex] >= T::constant(ROWS);
         let part = REPORTED * IN_DOUBT[usize::from(is_long)];
         let large = doubt.limit(part, largest_curvature(curvature, gaussian));

@@ -2,7 +2,7 @@
 //! or scaled.
 
 use super::{CurvatureLaw, FEWEST_VERTICES, Finite, OperatorLaw};
-use crate::meshes::{GENERIC, Mesh, SplitMix64, difference, norm, rotation, small, turned};
+use crate::meshes::{GENERIC, Mesh, SplitMix64, cross, difference, norm, rotation, small, turned};
 use crate::tolerance::{self, Tolerance};
 use helfrich::{
     Curvature, Curvatures, Finding, LaplaceBeltrami, Method, Rows, Serial, SparseMatrix, Workspace,
@@ -219,7 +219,7 @@ fn rows_entries(rows: &Rows<f64>) -> usize {
     (0..rows.len()).map(|row| rows.row(row).0.len()).sum()
 }
 
-/// n rotates with the surface; H, K and A are invariant under motion; H scales as 1/length, K as 1/length², A
+/// n and the principal direction rotate with the surface; H, K and A are invariant under motion; H scales as 1/length, K as 1/length², A
 /// as length². Only meshes with enough vertices are rotated, for the sake of operators that choose by
 /// thresholds.
 #[derive(Clone, Copy, Debug)]
@@ -259,6 +259,10 @@ impl CurvatureLaw for CurvatureFollows<'_> {
             tolerance::INVARIANCE.assert(there.mean, here.mean, largest, name);
             let square = largest * largest + here.gaussian.abs();
             tolerance::INVARIANCE.assert(there.gaussian, here.gaussian, square, name);
+            // The less certain a direction, the smaller the difference of the curvatures.
+            let [larger, smaller] = here.principal();
+            let off = norm(cross(turned(turn, here.direction), there.direction));
+            tolerance::INVARIANCE.assert((larger - smaller) * off, 0.0, largest, name);
             tolerance::INVARIANCE.assert(there.area, here.area, here.area.abs() + 1e-3, name);
         }
     }

@@ -4,8 +4,8 @@
 use crate::expected_errors::{Case, torus};
 use helfrich::shapes::ExactPoint;
 use helfrich::{
-    AdaptiveJet, Estimate, Jet, Measured, Prepared, Serial, StrongForm, Surface, TriangleMesh,
-    Verdict,
+    AdaptiveJet, Cotangent, Curvature, Curvatures, DualArea, Estimate, Hamann, Jet, Measured,
+    Paraboloid, Prepared, Serial, StrongForm, Surface, TriangleMesh, Verdict,
 };
 use helfrich_std::generate::{AnyShape, Family};
 use helfrich_std::noise::measured;
@@ -42,8 +42,8 @@ pub(crate) fn shape(name: &str) -> AnyShape {
 }
 
 /// Numbers of neighbours of fixed fits. From noise of 3e-5 edges down, those over few have the least errors.
-pub(crate) const FEW: &[usize] = &[45, 64, 90, 128];
-const MANY: &[usize] = &[45, 64, 90, 128, 181, 256, 362, 512];
+pub(crate) const FEW: &[usize] = MANY.split_at(4).0;
+const MANY: &[usize] = &AdaptiveJet::<f64>::LADDER;
 
 /// Smallest error of each quantity among these numbers of neighbours.
 pub(crate) fn best_fixed(
@@ -334,6 +334,39 @@ fn directions_follow_the_surface() {
             );
         }
     }
+}
+
+/// On a torus the larger curvature is that around the tube. Jets have nearly exact directions, one-rings some degrees;
+/// measures of angles have none.
+#[test]
+fn methods_that_fit_have_directions() {
+    fn of<M: Curvatures<f64>>(method: M, case: &Case) -> Vec<Curvature<f64>> {
+        let positions = case.positions();
+        let surface = Surface::new(&case.mesh, &positions).expect("positions");
+        let mut prepared = Prepared::new(method, &case.mesh);
+        prepared.curvatures(surface).to_vec()
+    }
+    let case = Case::of_shape(&torus(0.4), Family::Irregular, 2562);
+    for (name, found, [median, most]) in [
+        ("j6", of(Jet::j6(), &case), [0.01, 0.1]),
+        ("farutin", of(Paraboloid::default(), &case), [1.0, 10.0]),
+        ("hamann", of(Hamann::new(1.0), &case), [2.0, 15.0]),
+    ] {
+        let angles = found.iter().zip(&case.exact).map(|(at, point)| {
+            let [_, second] = at.directions().expect("directions");
+            let [x, y, _] = point.position;
+            angle(second, meshes::unit([-y, x, 0.0]))
+        });
+        let mut angles = Vec::from_iter(angles);
+        angles.sort_by(f64::total_cmp);
+        let [half, nearly_all] = [50, 95].map(|part| angles[angles.len() * part / 100]);
+        assert!(
+            half < median && nearly_all < most,
+            "{name}: {half} {nearly_all}"
+        );
+    }
+    let none = of(Cotangent::new(DualArea::Mixed), &case);
+    assert!(none.iter().all(|at| at.directions().is_none()));
 }
 
 /// Every point of a sphere is an umbilic, so that principal directions are undefined.

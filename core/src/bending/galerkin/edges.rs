@@ -6,12 +6,21 @@
 //! Comput. 22 (2005) 83; M. Neunteufel, J. Schöberl, K. Sturm, J. Comput. Phys. 488 (2023) 112218.
 
 use super::basis::{Basis, GAUSS};
-use super::patch::{EDGE_GRADIENT, EDGE_VALUES, PATCH_EDGE_VALUES};
 use super::plan::{InteriorEdge, Plan};
 use crate::element::{SlotKernel, Slots, Strided};
 use crate::lane::{Lane, Several, WIDTH};
 use crate::real::Real;
 use crate::vec3::{cross, dot, norm, scale};
+
+/// Numbers at each quadrature point of an edge: x_t, n, H, κ and H0.
+pub(super) const EDGE_VALUES: usize = 9;
+/// Rows of these of a patch.
+pub(super) const PATCH_EDGE_VALUES: usize = 3 * GAUSS * EDGE_VALUES;
+/// Gradient entries of an edge at each quadrature point: with respect to the angle, and to H, the length, κ and H0 on one
+/// side.
+pub(super) const EDGE_GRADIENT: usize = 5;
+/// Rows of these of an edge.
+pub(super) const EDGE_GRADIENTS: usize = GAUSS * EDGE_GRADIENT;
 
 /// σ of the penalty `σ/2 ∫ κ θ² ds/∫ ds` of an edge, without which the energy of a rough surface that is not
 /// resolved may be negative.

@@ -9,19 +9,15 @@
 //! of the size of rounding: where neighbours determine a coefficient, it changes nothing, and where they
 //! do not, the coefficient is 0 instead of undefined.
 
-use super::plan::{Block, coefficient_count};
+use super::plan::{Block, COUNT, DEGREE};
 use super::polynomial::Polynomial;
-use crate::fit::{Points, exponential, place_of, set_moments};
+use crate::fit::{MONOMIALS, Points, coefficient_count, exponential, place_of, set_moments};
 use crate::lane::{Lane, Several, WIDTH};
 use crate::real::Real;
 use crate::surface::Surface;
 use crate::vec3::{Vec3, add, dot, scale, tangent_frame};
 use alloc::vec::Vec;
 
-/// Degree of the polynomials.
-pub(super) const DEGREE: usize = 8;
-/// Number of their coefficients.
-pub(super) const COUNT: usize = coefficient_count(DEGREE);
 /// Entries of a matrix below its diagonal.
 const BELOW: usize = COUNT * (COUNT - 1) / 2;
 /// Number of rows that are eliminated together: none waits for another.
@@ -34,21 +30,6 @@ const CORE: f64 = 1e-3;
 pub(super) const fn within(degree: usize) -> f64 {
     if degree > 6 { 105.0 } else { 64.0 }
 }
-
-/// Degree, and power of v, of each monomial.
-const MONOMIALS: [(usize, usize); COUNT] = {
-    let mut monomials = [(0, 0); COUNT];
-    let mut degree = 1;
-    while degree <= DEGREE {
-        let mut power = 0;
-        while power <= degree {
-            monomials[place_of(degree, power) - 1] = (degree, power);
-            power += 1;
-        }
-        degree += 1;
-    }
-    monomials
-};
 
 /// `(2n − 1)!!/(2·14)ⁿ`: the mean of `u^2n` under the weights.
 const fn mean_power(n: usize) -> f64 {

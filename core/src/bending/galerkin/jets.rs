@@ -15,7 +15,6 @@ use crate::mesh::TriangleMesh;
 use crate::method::{ForceDensity, Method, Workspace};
 use crate::real::Real;
 use crate::surface::Surface;
-use alloc::vec;
 
 type Memory<T> = StrongFormMemory<T, Workspace<T, Jet<T>>>;
 
@@ -27,19 +26,8 @@ pub(super) struct Jets<T: Real> {
 }
 
 impl<T: Real> Jets<T> {
-    /// Jets of the degree that suits the largest component: those of a higher degree have larger errors of f on
-    /// irregular discocytes of fewer vertices.
     fn new(mesh: &TriangleMesh) -> Self {
-        let (components, number) = mesh.components();
-        let mut sizes = vec![0; number];
-        for component in components {
-            sizes[component as usize] += 1;
-        }
-        let jet = match sizes.into_iter().max() {
-            Some(2500..) => Jet::j8(),
-            Some(1000..) => Jet::j6(),
-            _ => Jet::j4(),
-        };
+        let jet = Jet::for_mesh(mesh);
         let memory = StrongFormMemory::new(jet.workspace(mesh));
         Self { jet, memory }
     }

@@ -1,8 +1,9 @@
 //! Area and enclosed volume of the patches.
 
 use super::basis::{FREE, Node};
-use super::fields::Field;
-use super::patch::{Bars, Patches, RETURNED, spread};
+use super::material::Field;
+use super::patch::{Bars, Patches, spread};
+use super::plan::RETURNED;
 use super::shape::{Return, Shape};
 use super::vertices::Work;
 use crate::bending::surface_point::area_vector;

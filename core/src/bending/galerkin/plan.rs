@@ -3,18 +3,31 @@
 //! Vertices, triangles and edges are processed in blocks of one lane each. Results of a block are rows
 //! of [`Several`], with an entry for each member of the block.
 
-use super::basis::{INSIDE, ON_EDGE};
-use crate::lane::{Several, WIDTH};
+use super::basis::{AROUND, FREE, INSIDE, ON_EDGE, blend, inner_from};
+use crate::fit::coefficient_count;
+use crate::lane::{Lane, Several, WIDTH};
 use crate::mesh::TriangleMesh;
 use crate::neighbourhood::Surroundings;
+use crate::real::Real;
 use alloc::vec;
 use alloc::vec::Vec;
+
+/// Degree of the polynomials.
+pub(super) const DEGREE: usize = 8;
+
+/// Number of their coefficients.
+pub(super) const COUNT: usize = coefficient_count(DEGREE);
 
 /// Number of vertices whose order may change, so that blocks have members of the same valence.
 const WINDOW: usize = 512;
 
 /// Rows of a jet's displacements for each neighbour in the one-ring.
 pub(super) const STAR: usize = ON_EDGE + INSIDE;
+
+/// Rows of what a patch returns: derivatives with respect to the displacements of free points, and to
+/// the position and the normal of each corner. Derivatives with respect to parameters that vary follow, at
+/// free points.
+pub(super) const RETURNED: usize = FREE + 3 * 6;
 
 /// No triangle, or no edge.
 pub(super) const NONE: u32 = u32::MAX;
@@ -138,9 +151,48 @@ fn degree_and_need(component: usize) -> (usize, usize) {
     }
 }
 
-/// Number of coefficients of a polynomial without constant term.
-pub(super) const fn coefficient_count(degree: usize) -> usize {
-    (degree + 1) * (degree + 2) / 2 - 1
+/// The blend of what jets give to the free points of patches.
+#[inline(always)]
+pub(super) fn gather_blended<T: Real>(
+    plan: &Plan,
+    shares: &[Several<T>],
+    first: usize,
+) -> [Several<T>; FREE] {
+    let zero = Several::zero();
+    let (mut near, mut far) = ([[zero; ON_EDGE]; 3], [[zero; ON_EDGE]; 3]);
+    let mut inside = [[zero; INSIDE]; 3];
+    for lane in 0..WIDTH {
+        let patch = plan.patch_in(first, lane);
+        for corner in 0..3 {
+            let [star, other] = patch.stars[corner];
+            // The edge that ends here, from its other end.
+            let ending = (corner + 2) % 3;
+            for k in 0..ON_EDGE {
+                near[corner][k].0[lane] = star.read(shares, k);
+                far[ending][ON_EDGE - 1 - k].0[lane] = other.read(shares, k);
+            }
+            for (k, value) in inside[corner].iter_mut().enumerate() {
+                value.0[lane] = star.read(shares, ON_EDGE + k);
+            }
+        }
+    }
+    let mut sums = [zero; FREE];
+    for edge in 0..3 {
+        for k in 0..ON_EDGE {
+            let [own, next, _] = AROUND[k];
+            let weights = [[own, next, 0.0], [next, own, 0.0]].map(blend);
+            sums[edge * ON_EDGE + k] = Several::literal(weights[0]) * near[edge][k]
+                + Several::literal(weights[1]) * far[edge][k];
+        }
+    }
+    for (corner, inside) in inside.iter().enumerate() {
+        for (k, &value) in inside.iter().enumerate() {
+            let point = 3 * ON_EDGE + inner_from(corner, k);
+            let weight = Several::literal(blend(AROUND[ON_EDGE + k]));
+            sums[point] = sums[point] + weight * value;
+        }
+    }
+    sums
 }
 
 impl Plan {

@@ -7,8 +7,8 @@
 //! With `G = (p_u, p_v, −1)`: `ds = −(dp + G·(d(y − x)/ρ + s dm))/(G·m)`.
 
 use super::basis::{AROUND, ON_EDGE, blend};
-use super::fit::{COUNT, FieldPull, Fit, Scratch};
-use super::plan::{Block, STAR};
+use super::fit::{FieldPull, Fit, Scratch};
+use super::plan::{Block, COUNT, STAR};
 use super::polynomial::{Polynomial, add_monomials};
 use crate::lane::{Lane, Several, WIDTH};
 use crate::real::Real;

@@ -1,6 +1,6 @@
 //! Values and derivatives of polynomials in two variables, without constant term.
 
-use super::fit::{COUNT, DEGREE};
+use super::plan::{COUNT, DEGREE};
 use crate::fit::place_of;
 use crate::lane::Lane;
 

@@ -1,8 +1,8 @@
 //! Patches over a mesh, and the way back from them to the positions.
 
 use super::basis::{self, Basis};
-use super::fields::Field;
 use super::fit::Fit;
+use super::material::Field;
 use super::patch::Patches;
 use super::plan::{Plan, Vectors};
 use super::vertices::{Backward, Forward, Work};

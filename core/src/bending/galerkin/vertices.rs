@@ -1,10 +1,9 @@
 //! The loops over vertices: fits and displacements, and their derivatives.
 
 use super::basis::{FREE, ON_EDGE, inner_from};
-use super::fields::Field;
-use super::fit::{COUNT, FieldPull, Fit, Scratch};
-use super::patch::RETURNED;
-use super::plan::{Block, NONE, Plan, STAR, Vectors};
+use super::fit::{FieldPull, Fit, Scratch};
+use super::material::Field;
+use super::plan::{Block, COUNT, NONE, Plan, RETURNED, STAR, Vectors};
 use crate::element::{Ragged, SlotKernel, Slots};
 use crate::lane::{Lane, Several, WIDTH};
 use crate::real::Real;

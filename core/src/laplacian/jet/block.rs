@@ -7,7 +7,7 @@ use crate::fit::{
 use crate::lane::{Lane, Several};
 use crate::real::Real;
 use crate::surface::Surface;
-use crate::vec3::{Vec3, cross, dot, norm, normalise, scale, sub};
+use crate::vec3::{Vec3, add, cross, dot, norm, normalise, scale, sub};
 use alloc::vec::Vec;
 use core::array;
 use core::iter::zip;
@@ -18,33 +18,6 @@ const STEP_DEGREE: usize = 4;
 /// Least factor by which an inversion may divide offsets: it is 1/2 where the normals of a sphere turn by 90° and the
 /// inversion makes it a plane.
 const NEAREST: f64 = 0.4;
-
-/// How neighbours of a vertex are weighed, by their distances squared, `q = |d|²/a + (a − 1/a) (d·e)²`:
-/// offsets along rows count a times as much as those across.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Spacing<T> {
-    /// e, the unit vector along rows; of no importance if a = 1.
-    pub(super) along: Vec3<T>,
-    /// a ≥ 1.
-    pub(super) aspect: T,
-}
-
-impl<T: Real> Spacing<T> {
-    /// Distances in space.
-    pub(super) fn even() -> Self {
-        Self {
-            along: [T::zero(); 3],
-            aspect: T::one(),
-        }
-    }
-
-    /// q.
-    #[inline(always)]
-    pub(super) fn squared(&self, offset: Vec3<T>) -> T {
-        let (over, along) = (self.aspect.recip(), dot(offset, self.along));
-        dot(offset, offset) * over + along * along * (self.aspect - over)
-    }
-}
 
 /// Polynomials that are fitted.
 #[derive(Clone, Copy)]
@@ -90,6 +63,10 @@ pub(super) struct Found<T> {
     pub(super) normal: Vec3<Several<T>>,
     pub(super) mean: Several<T>,
     pub(super) gaussian: Several<T>,
+    /// The direction of the larger principal curvature.
+    pub(super) direction: Vec3<Several<T>>,
+    /// The gradients of H and K on the fitted surface.
+    pub(super) gradients: [Vec3<Several<T>>; 2],
     /// Δ_S H of the fitted surface.
     pub(super) laplacian_of_mean: Several<T>,
     /// The squared slope of the surface in its frame.
@@ -190,17 +167,28 @@ impl<T: Real> Block<T> {
             }
         }
         let bent = inversion.at_vertex(&self.coefficients[..coefficient_count(shape.degree)]);
-        let Graph { first: slopes, .. } = Graph::of_coefficients(&self.coefficients);
-        let functional = Graph::of_coefficients(&self.coefficients);
-        let functional = functional.laplacian(functional.uprightness());
+        let graph = Graph::of_coefficients(&self.coefficients);
+        let functional = graph.laplacian(graph.uprightness());
         self.others.fill(Several::zero());
         self.others[..functional.len()].copy_from_slice(&functional);
+        let axes = [frame[0], frame[1], normal];
+        // Inversions leave principal directions as they are.
+        let [direction, _] = graph.principal(axes).directions;
+        let squared = over_radius * over_radius;
+        let cubed = squared * over_radius;
+        let [along_x, along_y] = graph.gradient(axes);
+        let gradient =
+            |[by_x, by_y]: [Several<T>; 2]| add(scale(by_x, along_x), scale(by_y, along_y));
+        let [of_mean, of_gaussian] = bent.slopes.map(gradient);
+        let [p, q] = graph.first;
         Found {
-            normal: tilted(normal, frame, slopes),
+            normal: tilted(normal, frame, graph.first),
             mean: bent.mean * over_radius,
-            gaussian: bent.gaussian * (over_radius * over_radius),
-            laplacian_of_mean: bent.laplacian_of_mean * (over_radius * over_radius * over_radius),
-            slope: slopes[0] * slopes[0] + slopes[1] * slopes[1],
+            gaussian: bent.gaussian * squared,
+            direction,
+            gradients: [scale(squared, of_mean), scale(cubed, of_gaussian)],
+            laplacian_of_mean: bent.laplacian_of_mean * cubed,
+            slope: p * p + q * q,
             spread: self.spread(shape.degree, lanes.aspects),
             inversion,
             over_radius,

@@ -1,10 +1,9 @@
 //! The fits around all vertices: their neighbours, attempts and results.
 
-use super::block::{Block, Found, Lanes, Shape, Spacing};
-use super::spacing::spacing;
+use super::block::{Block, Found, Lanes, Shape};
 use super::{Attempt, Jet, least_count};
 use crate::element::{Ragged, SlotKernel, Slots};
-use crate::fit::NormalEquations;
+use crate::fit::{NormalEquations, Spacing, spacing};
 use crate::lane::{Lane, Several, WIDTH};
 use crate::laplacian::{Curvature, RowSlots};
 use crate::neighbourhood::{Neighbourhood, Search, Surroundings};
@@ -55,12 +54,21 @@ pub(super) struct Fits<'a, T> {
     pub(super) normals: &'a [Vec3<T>],
 }
 
+/// Derivatives of curvatures at a vertex.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Derivatives<T> {
+    /// The gradients of H and K on the fitted surface.
+    pub(super) gradients: [Vec3<T>; 2],
+    /// Δ_S H of the fitted surface, without what the row yields of H of that surface.
+    pub(super) missing: T,
+}
+
 /// Output of a fit: the curvature, with the initial normal; the degree, a bound of the distances of the
-/// neighbours, and what the row of Δ_S misses of Δ_S H; H and K at the vertices of the one-ring; and a row.
+/// neighbours, and derivatives; H and K at the vertices of the one-ring; and a row.
 type FitSlots<'a, T> = (
     (
         &'a mut [Curvature<T>],
-        (&'a mut [u8], (&'a mut [i32], &'a mut [T])),
+        (&'a mut [u8], (&'a mut [i32], &'a mut [Derivatives<T>])),
     ),
     (Ragged<'a, [T; 2]>, RowSlots<'a, T>),
 );
@@ -84,7 +92,7 @@ struct Pending<'a, T> {
     degree: &'a mut u8,
     /// See [`Search::bound`].
     bound: &'a mut i32,
-    missing: &'a mut T,
+    derivatives: &'a mut Derivatives<T>,
     /// H and K at the vertices of the one-ring.
     ring: &'a mut [[T; 2]],
     length: &'a mut u32,
@@ -168,12 +176,14 @@ impl<T: Real> Fits<'_, T> {
         vertex: usize,
         slot: <FitSlots<'b, T> as Slots>::Slot,
     ) -> Option<Pending<'b, T>> {
-        let ((curvature, (degree, (bound, missing))), (ring, (length, (columns, row)))) = slot;
+        let ((curvature, (degree, (bound, derivatives))), (ring, (length, (columns, row)))) = slot;
         let available = self.surroundings.of(vertex).count().min(columns.len());
         let normal = curvature.normal;
         let attempt = self.jet.first_attempt(self.jet.highest_degree(), available);
         (curvature.mean, curvature.gaussian) = (T::zero(), T::zero());
-        (*degree, *length, *missing) = (0, 0, T::zero());
+        (*degree, *length) = (0, 0);
+        *derivatives = Derivatives::default();
+        curvature.direction = [T::zero(); 3];
         let attempt = attempt?;
         // Without a normal, heights are undefined.
         if normal == [T::zero(); 3] {
@@ -184,7 +194,7 @@ impl<T: Real> Fits<'_, T> {
             curvature,
             degree,
             bound,
-            missing,
+            derivatives,
             ring,
             length,
             columns,
@@ -295,7 +305,9 @@ impl<T: Real> Fits<'_, T> {
             if settled[lane]
                 && let Some(pending) = queue[place].take()
             {
-                [*pending.missing] = finite_or_zero([missing.0[lane]]);
+                [pending.derivatives.missing] = finite_or_zero([missing.0[lane]]);
+                let of_lane = |gradient: Vec3<Several<T>>| gradient.map(|x| x.0[lane]);
+                pending.derivatives.gradients = found.gradients.map(of_lane);
                 let ring = self.surface.mesh().one_ring(pending.vertex);
                 // Neighbours are in the order of the rings.
                 let columns = &pending.columns[..pending.attempt.neighbours];
@@ -480,6 +492,7 @@ impl<T: Real> Pending<'_, T> {
             return false;
         }
         self.curvature.normal = found.normal.map(|x| x.0[lane]);
+        self.curvature.direction = found.direction.map(|x| x.0[lane]);
         (self.curvature.mean, self.curvature.gaussian) = (mean, gaussian);
         *self.degree = self.attempt.degree as u8;
         *self.length = self.attempt.neighbours as u32;

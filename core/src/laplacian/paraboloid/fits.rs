@@ -2,7 +2,7 @@
 
 use super::{AMPLIFIED, COEFFICIENTS};
 use crate::element::{SlotKernel, Slots};
-use crate::fit::LeastSquares;
+use crate::fit::{Graph, LeastSquares};
 use crate::lane::{Lane, Several, WIDTH};
 use crate::laplacian::{Curvature, RaggedRowSlots};
 use crate::neighbourhood::Neighbourhood;
@@ -42,9 +42,10 @@ struct Block<T> {
     problem: LeastSquares<T>,
 }
 
-/// Paraboloids that were fitted: their coefficients a, b, c, d, e in units of the radius, and the
-/// normals that follow.
+/// Paraboloids that were fitted: the axes along x, y and the heights, their coefficients a, b, c, d, e in
+/// units of the radius, and the normals that follow.
 struct Fitted<T> {
+    axes: [Vec3<Several<T>>; 3],
     coefficients: [Several<T>; COEFFICIENTS],
     normal: Vec3<Several<T>>,
     /// Whether the neighbours determine each.
@@ -136,16 +137,14 @@ impl<T: Real> Fits<'_, T> {
         }
         let over_radius = block.set_unit();
         let fitted = block.settle(normals, &counts);
-        let mut functional = [Several::zero(); COEFFICIENTS];
-        let mut curvatures = [[T::zero(); 2]; WIDTH];
-        for (lane, curvature) in curvatures.iter_mut().enumerate() {
-            let (mean, gaussian, laplacian) = fitted.curvature(lane);
-            *curvature = [mean, gaussian];
-            for (entry, &value) in functional.iter_mut().zip(&laplacian) {
-                entry.0[lane] = value;
-            }
-        }
-        let row = block.problem.row_of(&functional);
+        let graph = fitted.graph();
+        let uprightness = graph.uprightness();
+        let (means, gaussians) = (graph.mean(uprightness), graph.gaussian(uprightness));
+        let [directions, _] = graph.principal(fitted.axes).directions;
+        let [x, y, xx, xy, yy] = graph.laplacian(uprightness);
+        // The coefficients are those of ½ x² and ½ y².
+        let half = Several::literal(0.5);
+        let row = block.problem.row_of(&[x, y, half * xx, xy, half * yy]);
         let mut amplification = Several::zero();
         for (coefficient, &offset) in row.iter().zip(&block.offsets) {
             let negative = coefficient.less(Several::zero());
@@ -162,11 +161,12 @@ impl<T: Real> Fits<'_, T> {
                 continue;
             }
             let over = over_radius.0[lane];
-            let [mean, gaussian] = curvatures[lane];
-            let (mean, gaussian) = (mean * over, gaussian * over * over);
+            let mean = means.0[lane] * over;
+            let gaussian = gaussians.0[lane] * over * over;
             let bounded = [mean, gaussian, over * over].iter().all(|x| x.is_finite());
             if determined && bounded {
                 vertex.curvature.normal = fitted.normal.map(|x| x.0[lane]);
+                vertex.curvature.direction = directions.map(|x| x.0[lane]);
                 (vertex.curvature.mean, vertex.curvature.gaussian) = (mean, gaussian);
                 *vertex.length = counts[lane] as u32;
                 for (entry, found) in vertex.row[..counts[lane]].iter_mut().zip(&*row) {
@@ -248,6 +248,7 @@ impl<T: Real> Block<T> {
         let tilt = add(scale(a, first), scale(b, second));
         let least = T::epsilon() * T::epsilon();
         Fitted {
+            axes: [first, second, normals],
             coefficients,
             normal: normalise(sub(normals, tilt)),
             determined: array::from_fn(|lane| {
@@ -262,24 +263,11 @@ impl<T: Real> Block<T> {
 }
 
 impl<T: Real> Fitted<T> {
-    /// H, K and the functional that takes a field's coefficients to its Laplacian at one vertex, in
-    /// units of the radius.
-    fn curvature(&self, lane: usize) -> (T, T, [T; COEFFICIENTS]) {
-        let [a, b, c, d, e] = self.coefficients.map(|coefficient| coefficient.0[lane]);
-        let (one, two) = (T::one(), T::constant(2.0));
-        let w = one + a * a + b * b;
-        let root = w.sqrt();
-        let sum = (one + a * a) * e - two * a * b * d + (one + b * b) * c;
-        let mean = -sum / (two * w * root);
-        let gaussian = (c * e - d * d) / (w * w);
-        let slope = two * mean / root;
-        let laplacian = [
-            slope * a,
-            slope * b,
-            one - a * a / w,
-            -two * a * b / w,
-            one - b * b / w,
-        ];
-        (mean, gaussian, laplacian)
+    fn graph(&self) -> Graph<Several<T>> {
+        let [a, b, second @ ..] = self.coefficients;
+        Graph {
+            first: [a, b],
+            second,
+        }
     }
 }

@@ -1,17 +1,15 @@
 //! The bias of candidates, from the distances between them as far as noise does not explain these.
 
-use super::{Deviations, Ground, QUANTITIES, REPLICAS, Values};
+use super::{Deviations, Ground, LOCAL, QUANTITIES, REPLICAS, Values};
 use crate::element::Execution;
 use crate::real::Real;
 use alloc::vec;
 use alloc::vec::Vec;
 use core::array::from_fn;
 
-/// Numbers of nearest vertices over which squared distances are averaged: for the bias, for error bars,
-/// and for places where the bias is larger than in their surroundings.
+/// Numbers of nearest vertices over which squared distances are averaged: for the bias, and for error bars.
 const WIDE: usize = 100;
 const NARROW: usize = 32;
-pub(super) const LOCAL: usize = 12;
 
 /// Number of nearest vertices over which the effect of noise is averaged.
 const NOISE_POOL: usize = 32;

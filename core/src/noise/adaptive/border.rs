@@ -10,29 +10,18 @@
 //! J. H. White, Proc. Am. Math. Soc. 38 (1973) 162.
 //!
 //! At the boundary itself there are fits of several degrees, numbers of neighbours and weights: see
-//! [`AT_BORDER`]. The choice is the one with the least standard error of f as regression has it, as if residuals
+//! [`AT_BORDER`](super::kind). The choice is the one with the least standard error of f as regression has it, as if residuals
 //! were noise: `s² Σ r_j²`, with `s²` the residual per degree of freedom, and `r_j` the dependence of f on the
 //! heights. Without noise, residuals fall with the degree and with sharper weights as far as the mesh resolves
 //! the shape; with noise, all have the same `s²`, and the choice is the fit that amplifies noise the least.
 
 use super::Ground;
-use super::level::{Kind, Scratch};
+use super::kind::Kind;
+use super::level::Scratch;
+use crate::fit::Graph;
 use crate::noise::fit::{Model, reach};
-use crate::noise::slopes::Slopes;
 use crate::real::Real;
 use crate::vec3::{Vec3, dot, scale, tangent_frame};
-
-/// Degree, number of neighbours and sharpness of a fit.
-pub(super) type OneSided = (usize, usize, f64);
-
-/// The fits of vertices at a boundary: without noise the third or the last is chosen at most vertices of a mesh
-/// that resolves the shape, with noise the first.
-pub(super) const AT_BORDER: [OneSided; 4] =
-    [(6, 112, 7.0), (6, 80, 7.0), (8, 180, 12.0), (8, 180, 18.0)];
-
-/// The fit with which these are compared for error bars: most of the distance is the error of this one. By degree
-/// 6 over 128 neighbours, bars were five times as wide on fine meshes, and too narrow on coarse ones.
-pub(super) const WIDER_AT_BORDER: [OneSided; 1] = [(8, 250, 12.0)];
 
 /// Number of steps from 0 to the inversion that makes H zero. Twice as many reduce errors to 0.9 of these in nearly twice
 /// the time. Fits at the boundary begin at the step that the fit of other vertices has found. A search from 0 changes
@@ -65,7 +54,8 @@ impl<T: Real> Scratch<T> {
         let model = &kind.model;
         self.fit
             .coefficients(model, model.degree, &mut self.coefficients);
-        let [mean, _] = Slopes::new(&self.coefficients, self.fit.radius()).curvatures();
+        let over = self.fit.radius().recip();
+        let [mean, _] = Graph::in_radii(&self.coefficients, over).curvatures();
         // A unit sphere becomes a plane by b = −n/2.
         let whole = scale(T::constant(-0.5) * mean, self.normal);
         let own = Sided {
@@ -165,9 +155,9 @@ impl<T: Real> Scratch<T> {
     }
 
     /// The number that an inversion has subtracted from both principal curvatures of the fitted surface.
-    pub(super) fn subtracted(&self, slopes: &Slopes<T>, bend: Vec3<T>) -> T {
+    pub(super) fn subtracted(&self, graph: &Graph<T>, bend: Vec3<T>) -> T {
         let [x, y] = tangent_frame(self.normal);
-        let normal = slopes.normal([x, y, self.normal]);
+        let normal = graph.normal([x, y, self.normal]);
         T::constant(-2.0) * dot(bend, normal)
     }
 }

@@ -2,9 +2,10 @@
 
 mod results;
 
-use super::bias::{Bias, Distances, LOCAL, Pair, positive, related, variances};
+use super::bias::{Bias, Distances, Pair, positive, related, variances};
 use super::jets::Jets;
-use super::level::{Kind, Level};
+use super::kind::Kind;
+use super::level::Level;
 use super::{Deviations, Estimates, FORCE, Ground, QUANTITIES, Scale, Values};
 use crate::element::Execution;
 use crate::noise::DEGREES;

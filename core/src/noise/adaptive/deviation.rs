@@ -1,6 +1,7 @@
 //! Standard deviation of the positions around every vertex, and resolution of the shape by the mesh.
 
-use super::level::{Kind, Level};
+use super::kind::Kind;
+use super::level::Level;
 use super::{Ground, POOL, Verdict, hidden};
 use crate::element::Execution;
 use crate::noise::quiet::MOST_OF_MESH;

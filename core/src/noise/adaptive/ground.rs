@@ -1,6 +1,6 @@
 //! Data that all fits of a surface share.
 
-use super::{NONE, POOL, REPLICAS, Values};
+use super::{LOCAL, NONE, POOL, REPLICAS, Values};
 use crate::curvature::Curvature;
 use crate::element::{Execution, Strided};
 use crate::neighbourhood::Neighbourhood;
@@ -23,8 +23,10 @@ pub(super) struct Ground<'a, T> {
     pub(super) upright: Vec<Vec3<T>>,
     /// Random signs, used as errors of standard deviation 1.
     pub(super) signs: Vec<Values<T>>,
-    /// The nearest vertices of each vertex, sorted by distance and filled up with [`NONE`].
-    pub(super) nearest: Vec<u32>,
+    /// The `pool` nearest vertices of each vertex, sorted by distance and filled up with [`NONE`]: at first
+    /// [`LOCAL`], enough for a mesh without noise.
+    nearest: Vec<u32>,
+    pool: usize,
     /// Rings from a boundary, at most [`BORDER`].
     pub(super) rings: Vec<u8>,
     /// Creases and outliers, if there are any.
@@ -53,24 +55,12 @@ impl<'a, T: Real> Ground<'a, T> {
             }
         });
         let upright = upright.collect();
-        let mut nearest = vec![NONE; count * POOL];
-        let mut scratch: Vec<Neighbourhood<T>> = Vec::new();
-        execution.map_with(
-            &mut scratch,
-            Strided::new(&mut nearest, POOL),
-            |near, vertex, nearest| {
-                near.nearest(surface, vertex as u32, POOL);
-                for (entry, &(_, vertex)) in nearest.iter_mut().zip(&near.found) {
-                    *entry = vertex;
-                }
-            },
-        );
         let name = |vertex: usize| names.map_or(vertex as u32, |names| names[vertex]);
         let mut marks = sharp::marks(surface);
         if marks.iter().all(Option::is_none) {
             marks.clear();
         }
-        Self {
+        let mut ground = Self {
             surface,
             aspects: aspects(surface, &normals),
             is_on_grid: grid::is_on_grid(surface.positions()),
@@ -78,9 +68,35 @@ impl<'a, T: Real> Ground<'a, T> {
             normals,
             upright,
             signs: (0..count).map(|vertex| signs(name(vertex))).collect(),
-            nearest,
+            nearest: Vec::new(),
+            pool: 0,
             rings: rings_from_border(surface.mesh()),
-        }
+        };
+        ground.find_nearest(execution, LOCAL);
+        ground
+    }
+
+    /// Finds the nearest vertices that estimates of noise are averaged over.
+    pub(super) fn widen(&mut self, execution: &impl Execution) {
+        self.find_nearest(execution, POOL);
+    }
+
+    fn find_nearest(&mut self, execution: &impl Execution, pool: usize) {
+        let surface = self.surface;
+        self.pool = pool;
+        self.nearest.clear();
+        self.nearest.resize(self.rings.len() * pool, NONE);
+        let mut scratch: Vec<Neighbourhood<T>> = Vec::new();
+        execution.map_with(
+            &mut scratch,
+            Strided::new(&mut self.nearest, pool),
+            |near, vertex, nearest| {
+                near.nearest(surface, vertex as u32, pool);
+                for (entry, &(_, vertex)) in nearest.iter_mut().zip(&near.found) {
+                    *entry = vertex;
+                }
+            },
+        );
     }
 
     /// Whether fits around a vertex are one-sided.
@@ -109,7 +125,7 @@ impl<'a, T: Real> Ground<'a, T> {
     /// The vertex, and the `count` nearest others.
     #[inline]
     pub(super) fn pool(&self, vertex: usize, count: usize) -> impl Iterator<Item = usize> {
-        let nearest = self.nearest[vertex * POOL..][..count].iter();
+        let nearest = self.nearest[vertex * self.pool..][..count].iter();
         let others = nearest.take_while(|&&other| other != NONE);
         core::iter::once(vertex).chain(others.map(|&other| other as usize))
     }

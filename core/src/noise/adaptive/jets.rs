@@ -3,9 +3,8 @@
 //! Jets of two degrees over different numbers of neighbours have different errors: their distance shows that of
 //! the less accurate one. The disagreement of each with its neighbours shows which one that is.
 
-use super::bias::LOCAL;
 use super::level::Level;
-use super::{FORCE, Ground, ONE_STAGE, QUANTITIES};
+use super::{FORCE, Ground, LOCAL, ONE_STAGE, QUANTITIES};
 use crate::curvature::{Curvature, Curvatures};
 use crate::element::Execution;
 use crate::laplacian::{Jet, LaplaceBeltrami};
@@ -14,6 +13,7 @@ use crate::noise::doubt::{Doubt, larger};
 use crate::noise::fit::Model;
 use crate::real::Real;
 use crate::surface::Surface;
+use crate::vec3::Vec3;
 use alloc::vec;
 use alloc::vec::Vec;
 use core::array::from_fn;
@@ -49,6 +49,8 @@ const FROM_WIDER: f64 = 4.0;
 /// Jets around every vertex.
 pub(super) struct Jets<T> {
     pub(super) curvature: Vec<Curvature<T>>,
+    /// The gradients of H and K.
+    pub(super) gradients: Vec<[Vec3<T>; 2]>,
     /// H, K and f; NaN where there is no fit.
     pub(super) values: [Vec<T>; QUANTITIES],
     pub(super) degrees: Vec<u8>,
@@ -147,6 +149,7 @@ impl<T: Real> Jets<T> {
         Self {
             values,
             neighbours: neighbours.collect(),
+            gradients: (0..count).map(|vertex| memory.gradients(vertex)).collect(),
             degrees,
             doubts,
             distances: from_fn(|_| Vec::new()),

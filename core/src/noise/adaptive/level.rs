@@ -1,106 +1,17 @@
 //! Fits with one number of neighbours around every vertex, and the effect of noise on them.
 
-use super::border::{AT_BORDER, OneSided, WIDER_AT_BORDER};
+use super::kind::{Kind, ONE_SIDED};
 use super::{Ground, ONE_STAGE, QUANTITIES, REPLICAS, Values};
 use crate::element::{Execution, SlotKernel, Slots, Strided};
+use crate::fit::{Graph, force_density};
 use crate::neighbourhood::Neighbourhood;
 use crate::noise::doubt::{Doubt, Fields};
 use crate::noise::fit::{HeightFit, Model, reach};
-use crate::noise::slopes::Slopes;
-use crate::noise::{DEGREES, Spectrum, one_stage};
+use crate::noise::{DEGREES, Spectrum};
 use crate::real::Real;
 use crate::vec3::Vec3;
 use alloc::vec;
 use alloc::vec::Vec;
-
-/// Least diagonal entry of the triangular factor with which a jet is accepted: before and after it has
-/// the largest number of neighbours that is allowed.
-const CONDITIONING: [f64; 2] = [0.012, 0.001];
-
-/// The same limits for regression jets and for the wider jets with which others are compared. It is 0.05
-/// and more on irregular meshes; where a regular mesh has 0.012 to 0.05, H of exact tori was off by a
-/// fifth, because neighbours near a conic section do not determine the polynomial.
-const STRICT: [f64; 2] = [0.05, 0.012];
-
-/// Number of neighbours that determines a polynomial of degree 6 well on any mesh.
-const SURE: usize = 128;
-
-/// Ratio of the numbers of neighbours of jets at a boundary and elsewhere: with fewer, errors of the
-/// positions are amplified several times.
-const ONE_SIDED: [usize; 2] = [10, 7];
-
-/// The kind of the fits of a level.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Kind<T> {
-    pub(super) model: Model<T>,
-    /// Number of neighbours at first, and at most if the fit needs more.
-    pub(super) neighbours: [usize; 2],
-    /// Least diagonal entries of the triangular factor.
-    conditioning: [f64; 2],
-    /// Whether these are to hold for the columns in any order, as for the jets of the library: on regular tori the
-    /// factor had 0.012 or more where f of the fit was off by five orders of magnitude.
-    in_any_order: bool,
-    /// The fits among which vertices at a boundary choose; if empty, they have the fit of other vertices.
-    pub(super) at_border: &'static [OneSided],
-}
-
-impl<T: Real> Kind<T> {
-    /// A polynomial through the vertex, as [`Jet::j6`](crate::Jet::j6) has it.
-    pub(super) fn interpolating() -> Self {
-        Self {
-            model: Model {
-                degree: DEGREES[1],
-                sharpness: T::constant(7.0),
-                interpolates: true,
-            },
-            neighbours: [56, 112],
-            conditioning: CONDITIONING,
-            in_any_order: true,
-            at_border: &AT_BORDER,
-        }
-    }
-
-    /// Jets of the library with these polynomials.
-    pub(super) fn of_jets(model: Model<T>) -> Self {
-        Self {
-            model,
-            ..Self::interpolating()
-        }
-    }
-
-    /// Jets over more neighbours, for estimates of the errors of [`Self::interpolating`].
-    pub(super) fn wider() -> Self {
-        Self {
-            neighbours: [90, 180],
-            conditioning: STRICT,
-            in_any_order: false,
-            at_border: &WIDER_AT_BORDER,
-            ..Self::interpolating()
-        }
-    }
-
-    /// A regression with a constant term. With few neighbours, of which some lie near a conic section, it
-    /// may need more.
-    pub(super) fn regression(neighbours: usize) -> Self {
-        let more = if neighbours < SURE { neighbours / 2 } else { 0 };
-        Self {
-            model: Model {
-                degree: DEGREES[1],
-                sharpness: T::constant(4.0),
-                interpolates: false,
-            },
-            neighbours: [neighbours, neighbours + more],
-            conditioning: STRICT,
-            in_any_order: false,
-            at_border: &[],
-        }
-    }
-
-    /// The largest number of vertices in a fit, including the vertex itself.
-    fn room(&self) -> usize {
-        self.neighbours[1] + 1
-    }
-}
 
 /// The results of one degree, NaN where there is no fit: H, K and f, and the changes of each by
 /// [`REPLICAS`] independent errors of standard deviation 1 in every height.
@@ -266,7 +177,7 @@ impl<T: Real> Scratch<T> {
             let coefficients = &mut self.coefficients;
             self.fit
                 .coefficients_with(model, model.degree, error, coefficients);
-            over * one_stage::force_density(coefficients)
+            over * force_density(coefficients)
         };
         let value = with(0, T::zero());
         let changes = core::array::from_fn(|replica| {
@@ -317,12 +228,12 @@ impl<T: Real> Scratch<T> {
         let own = usize::from(!model.interpolates);
         let radius = self.fit.radius();
         self.fit.coefficients(model, degree, &mut self.coefficients);
-        let slopes = Slopes::new(&self.coefficients[own..], radius);
-        at.values[which] = slopes.curvatures();
-        let [of_mean, mut of_gaussian] = slopes.variations(radius);
+        let graph = Graph::in_radii(&self.coefficients[own..], radius.recip());
+        at.values[which] = graph.curvatures();
+        let [of_mean, mut of_gaussian] = graph.variations(radius);
         if let Some(bend) = self.bend {
             // The change of the normal is left out: the surface leans by less than 0.1.
-            let more = self.subtracted(&slopes, bend);
+            let more = self.subtracted(&graph, bend);
             let twice = more + more;
             let [mean, gaussian] = at.values[which];
             at.values[which] = [mean + more, gaussian + twice * mean + more * more];
@@ -330,8 +241,8 @@ impl<T: Real> Scratch<T> {
                 *of_gaussian += twice * of_mean;
             }
         }
-        let laplacian = slopes
-            .laplacian(radius)
+        let laplacian = graph
+            .laplacian_in_radii(radius)
             .map(|factor| factor * radius * radius);
         self.fit.rows(
             model,

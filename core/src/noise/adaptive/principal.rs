@@ -1,12 +1,13 @@
 //! Normals, principal directions and gradients of curvature, from the fits that were chosen for H.
 
-use super::level::{Kind, Scratch};
+use super::kind::Kind;
+use super::level::Scratch;
 use super::{Cause, Ground, Measured, ONE_STAGE};
 use crate::element::Execution;
+use crate::fit::Graph;
 use crate::noise::doubt::{Doubt, Fields};
 use crate::noise::fit::Model;
 use crate::noise::sharp::Mark;
-use crate::noise::slopes::Slopes;
 use crate::real::Real;
 use crate::vec3::{Vec3, add, dot, scale, tangent_frame};
 use alloc::vec;
@@ -26,10 +27,20 @@ pub(super) struct Fitted<'a, T> {
     pub(super) fields: [&'a [T]; 2],
     /// Square of the bias of H.
     pub(super) bias: T,
-    /// The model and the number of neighbours of a jet of the library; `None` for other fits.
-    pub(super) jet: Option<(Model<T>, usize)>,
+    /// The jet of the library, if it is one.
+    pub(super) jet: Option<OfJet<T>>,
     /// The doubt about it, if it is known.
     pub(super) doubt: Option<Doubt<T>>,
+}
+
+/// A jet of the library.
+pub(super) struct OfJet<T> {
+    pub(super) model: Model<T>,
+    pub(super) neighbours: usize,
+    /// The gradients of H and K.
+    pub(super) gradients: [Vec3<T>; 2],
+    /// The principal directions, if any.
+    pub(super) directions: Option<[Vec3<T>; 2]>,
 }
 
 /// Sets normals, principal curvatures, directions and gradients. `fitted` returns the fit chosen for H. Returns
@@ -61,23 +72,35 @@ pub(super) fn set<'f, T: Real>(
                 return;
             };
             *doubt = fitted.doubt;
-            let (model, count) = match fitted.jet {
-                Some((model, count)) => {
-                    let count = scratch.fit_nearest(ground, vertex, &model, count);
-                    (model, count)
+            let count = match &fitted.jet {
+                Some(jet) if at.deviation == T::zero() => {
+                    if !ground.marks.is_empty() {
+                        scratch
+                            .near
+                            .nearest(ground.surface, vertex as u32, jet.neighbours);
+                        at.mark_by(ground.mark(vertex, &scratch.near.found));
+                    }
+                    let [of_mean, of_gaussian] = jet.gradients;
+                    at.gradient_of_mean = of_mean;
+                    if at.has_certain_directions(fitted.bias) {
+                        at.directions = jet.directions;
+                        at.extremalities = extremalities(at, of_gaussian);
+                    }
+                    return;
                 }
-                None => {
-                    let count = scratch.fit(ground, vertex, &fitted.kind);
-                    (fitted.kind.model, count)
-                }
+                Some(jet) => scratch.fit_nearest(ground, vertex, &jet.model, jet.neighbours),
+                None => scratch.fit(ground, vertex, &fitted.kind),
             };
+            let model = fitted
+                .jet
+                .as_ref()
+                .map_or(fitted.kind.model, |jet| jet.model);
             if count == 0 {
                 return;
             }
-            let mark = ground.mark(vertex, scratch.neighbours(count));
-            at.cause = at.cause.or(mark.map(|mark| cause_of(mark, false)));
-            let (slopes, axes) = scratch.slopes(&model, fitted.degree);
-            let frame = slopes.principal(axes);
+            at.mark_by(ground.mark(vertex, scratch.neighbours(count)));
+            let (graph, axes) = scratch.graph(&model, fitted.degree);
+            let frame = graph.principal(axes);
             let radius = scratch.fit.radius();
             let mut shear = [T::zero(); 6];
             let two = T::constant(2.0);
@@ -92,18 +115,18 @@ pub(super) fn set<'f, T: Real>(
             }
             let mut along = [[T::zero(); 6]; 2];
             (along[0][1], along[1][2]) = (radius.recip(), radius.recip());
-            let functionals = [shear, along[0], along[1], slopes.laplacian(radius)];
+            let functionals = [shear, along[0], along[1], graph.laplacian_in_radii(radius)];
             scratch.fit.rows(&model, fitted.degree, &functionals, rows);
             let [shear, along_x, along_y, laplacian] = &*rows;
             if doubt.is_none() && ground.rings[vertex] >= ONE_STAGE {
                 let of = (&model, fitted.degree, count);
                 *doubt = Some(scratch.doubt(ground, vertex, of, laplacian, fields));
             }
-            let vectors = slopes.gradient(axes);
+            let vectors = graph.gradient(axes);
             let own = usize::from(!model.interpolates);
             // Vertices with jets have been set already.
             if own == 1 {
-                at.normal = slopes.normal(axes);
+                at.normal = graph.normal(axes);
             }
             let neighbours = scratch.neighbours(count);
             let gradient = |field: &[T]| {
@@ -127,17 +150,10 @@ pub(super) fn set<'f, T: Real>(
                 let sum: T = shear.iter().copied().sum();
                 squares += sum * sum;
             }
-            let [larger, smaller] = at.principal.map(|curvature| curvature.value);
-            let gap = larger - smaller;
-            // The gap is the root of a difference, H² − K, that is rounded.
-            let rounding = T::constant(ROUNDING) * T::epsilon();
-            let rounding = rounding * (larger * larger + smaller * smaller);
-            let variance = fitted.bias + rounding + at.deviation * at.deviation * squares;
-            let deviation = variance.sqrt() / gap;
-            // Also false for NaN.
-            if deviation <= T::constant(CERTAIN) {
+            let of_noise = at.deviation * at.deviation * squares;
+            if at.has_certain_directions(fitted.bias + of_noise) {
                 at.directions = Some(frame.directions);
-                at.extremalities = Some(extremalities(at, of_gaussian, frame.directions));
+                at.extremalities = extremalities(at, of_gaussian);
             }
         },
     );
@@ -154,12 +170,27 @@ fn cause_of(mark: Mark, is_own: bool) -> Cause {
     }
 }
 
+impl<T: Real> Measured<T> {
+    /// Takes a mark in the neighbourhood of the fit for the cause.
+    fn mark_by(&mut self, mark: Option<Mark>) {
+        self.cause = self.cause.or(mark.map(|mark| cause_of(mark, false)));
+    }
+
+    /// Whether principal directions are certain, given the variance of the off-diagonal entry of the shape operator.
+    fn has_certain_directions(&self, variance: T) -> bool {
+        let [larger, smaller] = self.principal.map(|curvature| curvature.value);
+        // The gap is the root of a difference, H² − K, that is rounded.
+        let rounding = T::constant(ROUNDING) * T::epsilon();
+        let rounding = rounding * (larger * larger + smaller * smaller);
+        let deviation = (variance + rounding).sqrt() / (larger - smaller);
+        // Also false for NaN.
+        deviation <= T::constant(CERTAIN)
+    }
+}
+
 /// The derivatives of both principal curvatures along their own directions.
-fn extremalities<T: Real>(
-    at: &Measured<T>,
-    gradient_of_gaussian: Vec3<T>,
-    directions: [Vec3<T>; 2],
-) -> [T; 2] {
+fn extremalities<T: Real>(at: &Measured<T>, gradient_of_gaussian: Vec3<T>) -> Option<[T; 2]> {
+    let [first, second] = at.directions?;
     let [larger, smaller] = at.principal.map(|curvature| curvature.value);
     let gap = larger - smaller;
     let two = T::constant(2.0);
@@ -169,20 +200,20 @@ fn extremalities<T: Real>(
         let of_gaussian = dot(gradient_of_gaussian, direction);
         sign * (two * curvature * of_mean - of_gaussian) / gap
     };
-    [
-        along(larger, T::one(), directions[0]),
-        along(smaller, -T::one(), directions[1]),
-    ]
+    Some([
+        along(larger, T::one(), first),
+        along(smaller, -T::one(), second),
+    ])
 }
 
 impl<T: Real> Scratch<T> {
-    /// The slopes of the last fit, and its axes along x, y and the height.
-    fn slopes(&mut self, model: &Model<T>, degree: usize) -> (Slopes<T>, [Vec3<T>; 3]) {
+    /// The graph of the last fit, and its axes along x, y and the height.
+    fn graph(&mut self, model: &Model<T>, degree: usize) -> (Graph<T>, [Vec3<T>; 3]) {
         let own = usize::from(!model.interpolates);
-        let radius = self.fit.radius();
+        let over = self.fit.radius().recip();
         self.fit.coefficients(model, degree, &mut self.coefficients);
         let [x, y] = tangent_frame(self.normal);
-        let slopes = Slopes::new(&self.coefficients[own..], radius);
-        (slopes, [x, y, self.normal])
+        let graph = Graph::in_radii(&self.coefficients[own..], over);
+        (graph, [x, y, self.normal])
     }
 }

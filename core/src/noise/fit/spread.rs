@@ -1,13 +1,10 @@
 //! Whether neighbours determine a fit, and the fitted surface beside its vertex.
 
 use super::{HeightFit, Model};
+use crate::fit::graph_at;
 use crate::lane::Lane;
-use crate::noise::slopes::Slopes;
 use crate::real::Real;
 use crate::vec3::{Vec3, dot};
-
-/// One more than the largest degree of a polynomial.
-const POWERS: usize = 9;
 
 /// The product of the odd numbers below 2n.
 fn odd_factorial(n: usize) -> f64 {
@@ -53,37 +50,7 @@ impl<T: Real> HeightFit<T> {
         axes: [Vec3<T>; 2],
     ) -> [T; 2] {
         let [x, y] = axes.map(|axis| dot(self.offsets[neighbour], axis));
-        let powers = |x: T| {
-            let mut powers = [T::one(); POWERS];
-            for k in 1..POWERS {
-                powers[k] = powers[k - 1] * x;
-            }
-            powers
-        };
-        let (along_x, along_y) = (powers(x), powers(y));
-        // n x^(n − 1), and n (n − 1) x^(n − 2).
-        let number = |n: usize| T::constant(n as f64);
-        let once = |powers: &[T; POWERS], n: usize| match n {
-            0 => T::zero(),
-            _ => number(n) * powers[n - 1],
-        };
-        let twice = |powers: &[T; POWERS], n: usize| match n {
-            0 | 1 => T::zero(),
-            _ => number(n * (n - 1)) * powers[n - 2],
-        };
-        let mut first = [T::zero(); 2];
-        let mut second = [T::zero(); 3];
-        let mut coefficients = coefficients.iter();
-        for degree in 1..=degree {
-            for (q, &coefficient) in (0..=degree).zip(&mut coefficients) {
-                let p = degree - q;
-                first[0] += coefficient * once(&along_x, p) * along_y[q];
-                first[1] += coefficient * along_x[p] * once(&along_y, q);
-                second[0] += coefficient * twice(&along_x, p) * along_y[q];
-                second[1] += coefficient * once(&along_x, p) * once(&along_y, q);
-                second[2] += coefficient * along_x[p] * twice(&along_y, q);
-            }
-        }
-        Slopes::of_derivatives(first, second.map(|entry| entry / self.radius)).curvatures()
+        let (_, graph) = graph_at(degree, coefficients, x, y);
+        graph.enlarged(self.radius.recip()).curvatures()
     }
 }

@@ -1,13 +1,13 @@
 //! The values of the chosen fits, with error bars.
 
-use super::{BAR, CLEAN_BAR, Candidate, Choice, Chosen, LOCAL, ONE_SIDED, PRINCIPAL, QUANTITIES};
+use super::{BAR, CLEAN_BAR, Candidate, Choice, Chosen, ONE_SIDED, PRINCIPAL, QUANTITIES};
 use crate::element::Execution;
 use crate::noise::DEGREES;
 use crate::noise::adaptive::bias::positive;
 use crate::noise::adaptive::jets::Jets;
-use crate::noise::adaptive::level::Kind;
-use crate::noise::adaptive::principal::{self, Fitted};
-use crate::noise::adaptive::{Deviations, Estimate, Ground, Measured, ONE_STAGE, Verdict};
+use crate::noise::adaptive::kind::Kind;
+use crate::noise::adaptive::principal::{self, Fitted, OfJet};
+use crate::noise::adaptive::{Deviations, Estimate, Ground, LOCAL, Measured, ONE_STAGE, Verdict};
 use crate::noise::doubt::{Doubt, larger};
 use crate::noise::fit::Model;
 use crate::real::Real;
@@ -147,7 +147,12 @@ impl<T: Real> Chosen<T> {
             };
             Some(Fitted {
                 doubt: jets.doubts[vertex].filter(|_| is_jet),
-                jet: is_jet.then_some((model, found.neighbours[vertex] as usize)),
+                jet: is_jet.then(|| OfJet {
+                    model,
+                    neighbours: found.neighbours[vertex] as usize,
+                    gradients: jets.gradients[vertex],
+                    directions: jets.curvature[vertex].directions(),
+                }),
                 kind: match candidate {
                     0 => Kind::interpolating(),
                     _ => found.kind,

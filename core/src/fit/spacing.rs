@@ -1,6 +1,5 @@
 //! The spacing of vertices that lie in rows.
 
-use super::block::Spacing;
 use crate::mesh::VertexKind;
 use crate::real::Real;
 use crate::surface::Surface;
@@ -13,12 +12,39 @@ const MOST_UNEVEN: f64 = 20.0;
 /// says little.
 const MOST_OF_ONE: f64 = 36.0;
 
+/// How neighbours of a vertex are weighed, by their distances squared, `q = |d|²/a + (a − 1/a) (d·e)²`:
+/// offsets along rows count a times as much as those across.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Spacing<T> {
+    /// e, the unit vector along rows; of no importance if a = 1.
+    pub(crate) along: Vec3<T>,
+    /// a ≥ 1.
+    pub(crate) aspect: T,
+}
+
+impl<T: Real> Spacing<T> {
+    /// Distances in space.
+    pub(crate) fn even() -> Self {
+        Self {
+            along: [T::zero(); 3],
+            aspect: T::one(),
+        }
+    }
+
+    /// q.
+    #[inline(always)]
+    pub(crate) fn squared(&self, offset: Vec3<T>) -> T {
+        let (over, along) = (self.aspect.recip(), dot(offset, self.along));
+        dot(offset, offset) * over + along * along * (self.aspect - over)
+    }
+}
+
 /// The mean over a vertex and its neighbours of the ratio of the spacings along and across rows, and the
 /// direction of the rows: of the logarithms of the tensors `Σ e eᵀ` of the edges around each, in the tangent
 /// plane.
 ///
 /// V. Arsigny, P. Fillard, X. Pennec and N. Ayache, SIAM J. Matrix Anal. Appl. 29 (2007) 328.
-pub(super) fn spacing<T: Real>(
+pub(crate) fn spacing<T: Real>(
     surface: Surface<'_, T>,
     normals: &[Vec3<T>],
     vertex: usize,
