@@ -26,7 +26,10 @@ pub use candidates::{
     Listed, ListedStrong, PublishedHeatKernel, SquaredLaplacian, StrongCotangent, Subdivided, Sum,
 };
 pub use finite::Finite;
-pub use gradient::{Balanced, ForceIsDifference, ForceIsGradient, check_gradient, imbalance, net};
+pub use gradient::{
+    Balanced, ForceIsDifference, ForceIsGradient, check_gradient, check_work, imbalance, net,
+    with_derivatives,
+};
 pub use invariance::{Invariant, InvariantFits, ScaleFree, ScaleFreeSingle};
 pub use operators::{
     ConstantsVanish, CurvatureFollows, LaplacianFollows, MatrixAgrees, Measured, RowsAgree,

@@ -2,6 +2,7 @@
 
 use helfrich::{Cotangent, DualArea, Real, Serial, Surface, TriangleMesh, VertexKind};
 use std::collections::HashMap;
+use std::ops::{Add, Mul, Sub};
 
 pub mod rows;
 mod strategies;
@@ -531,17 +532,17 @@ pub fn turned(rotation: [[f64; 3]; 3], x: [f64; 3]) -> [f64; 3] {
 }
 
 /// a − b.
-pub fn difference(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+pub fn difference<T: Copy + Sub<Output = T>>(a: [T; 3], b: [T; 3]) -> [T; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 /// Scalar product.
-pub fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+pub fn dot<T: Copy + Add<Output = T> + Mul<Output = T>>(a: [T; 3], b: [T; 3]) -> T {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// Vector product.
-pub fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+pub fn cross<T: Copy + Sub<Output = T> + Mul<Output = T>>(a: [T; 3], b: [T; 3]) -> [T; 3] {
     [
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],

@@ -66,6 +66,32 @@ fn extent(direction: &[[f64; 3]]) -> f64 {
     direction.iter().map(|&d| norm(d)).sum()
 }
 
+/// Vectors whose derivatives are the directions.
+pub fn with_derivatives(vectors: &[[f64; 3]], directions: &[[f64; 3]]) -> Vec<[F1; 3]> {
+    let both = vectors.iter().zip(directions);
+    both.map(|(x, d)| [0, 1, 2].map(|k| F1::new(x[k], d[k])))
+        .collect()
+}
+
+/// Forces are the negative derivatives of an energy of the positions, along some directions.
+///
+/// # Panics
+/// If they are not.
+pub fn check_work(
+    force: &[[f64; 3]],
+    positions: &[[f64; 3]],
+    bound: Tolerance,
+    name: &str,
+    mut energy: impl FnMut(&[[F1; 3]]) -> F1,
+) {
+    let largest = largest(force);
+    for direction in trials(positions.len(), 1) {
+        let derivative = energy(&with_derivatives(positions, &direction)).dx;
+        let scale = largest * extent(&direction);
+        bound.assert(along(force, &direction), derivative, scale, name);
+    }
+}
+
 /// F = −∂E/∂x with the derivative by dual numbers; and force and energy in one evaluation agree with
 /// separate evaluations.
 #[derive(Clone, Copy, Debug)]
@@ -103,16 +129,10 @@ impl ForceIsGradient<'_> {
         } = self.0;
         let mut force = vec![[0.0; 3]; positions.len()];
         method.add_force(self.0.surface(), &mut force);
-        let largest = largest(&force);
-        for direction in trials(positions.len(), 1) {
-            let moved = positions.iter().zip(&direction);
-            let moved = moved.map(|(x, d)| [0, 1, 2].map(|k| F1::new(x[k], d[k])));
-            let moved = Vec::from_iter(moved);
-            let derivative = dual(Surface::new(mesh, &moved).expect("finite positions")).dx;
-            let scale = largest * extent(&direction);
-            let bound = bound(DUAL, name, tolerance::GRADIENT_DUAL);
-            bound.assert(along(&force, &direction), derivative, scale, name);
-        }
+        let bound = bound(DUAL, name, tolerance::GRADIENT_DUAL);
+        check_work(&force, positions, bound, name, |moved| {
+            dual(Surface::new(mesh, moved).expect("finite positions"))
+        });
     }
 }
 

@@ -65,7 +65,7 @@ struct StabilityArguments {
 
 #[derive(clap::Args)]
 struct FlowArguments {
-    /// Methods by name or letter; by default all but jet, which is one of j4 and j6.
+    /// Methods by name or letter; by default all but jet, which is one of j4, j6 and j8.
     #[arg(long, value_delimiter = ',', value_parser = listed)]
     method: Vec<Vec<BendingMethod>>,
     #[command(flatten)]

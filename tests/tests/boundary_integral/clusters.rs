@@ -1,6 +1,6 @@
 //! Sums over clusters against those over all pairs.
 
-use super::{Field, ONE, VISCOSITY, at_points, at_vertices, away, largest, layer, together};
+use super::{Field, ONE, VISCOSITY, at_points, at_vertices, away, largest_norm, layer, together};
 use helfrich_std::flow::{DoubleLayer, SingleLayer};
 use helfrich_tests::meshes::{Mesh, bent, difference, disc, icosphere, norm, torus};
 use std::num::NonZeroUsize;
@@ -52,7 +52,7 @@ fn points(positions: &[[f64; 3]]) -> Field {
 #[track_caller]
 fn assert_within(tolerance: f64, scale: f64, dense: &[[f64; 3]], found: &[[f64; 3]], what: &str) {
     let errors = errors(dense, found);
-    let (mean, largest) = (rms(&errors) / scale, largest(&errors) / scale);
+    let (mean, largest) = (rms(&errors) / scale, largest_norm(&errors) / scale);
     assert!(mean <= 2.0 * tolerance, "{what}, {tolerance:e}: {mean:e}");
     assert!(
         largest <= 20.0 * tolerance,

@@ -40,7 +40,7 @@ fn at_points(layer: &SingleLayer, points: &[[f64; 3]]) -> Field {
     velocity
 }
 
-fn largest(field: &[[f64; 3]]) -> f64 {
+fn largest_norm(field: &[[f64; 3]]) -> f64 {
     field.iter().map(|&u| norm(u)).fold(0.0, f64::max)
 }
 

@@ -1,8 +1,8 @@
 //! Nested surfaces with fluids of several viscosities.
 
 use super::{
-    Field, ONE, U, VISCOSITY, assert_second_order, at_points, at_vertices, away, largest,
-    largest_error, layer, scaled, together,
+    Field, ONE, U, VISCOSITY, assert_second_order, at_points, at_vertices, away, largest_error,
+    largest_norm, layer, scaled, together,
 };
 use helfrich::Images;
 use helfrich_std::enclosure::surroundings;
@@ -117,7 +117,7 @@ fn rigid_motions_hold_in_nested_fluids() {
     let solved = double.solve(&mut Gmres::new(1e-12), &moving, &mut velocity);
     assert!(solved.converged, "{solved:?}");
     let error = largest_error(&velocity, &moving);
-    tolerance::FLOW_SEVEN_STRESSLETS.assert(error, 0.0, largest(&moving), "velocity");
+    tolerance::FLOW_SEVEN_STRESSLETS.assert(error, 0.0, largest_norm(&moving), "velocity");
 }
 
 fn pulls(mesh: &Mesh) -> Field {
@@ -138,17 +138,17 @@ fn a_surface_in_its_own_fluid_changes_nothing() {
     let (_, _, velocity) = nested.solved(&[tractions.clone(), nothing].concat());
     let (on_outer, on_inner) = velocity.split_at(alone.len());
     let error = largest_error(on_outer, &alone);
-    tolerance::FLOW_SOLVED.assert(error, 0.0, largest(&alone), "on the outer surface");
+    tolerance::FLOW_SOLVED.assert(error, 0.0, largest_norm(&alone), "on the outer surface");
     let expected = in_fluid(&single, &double, &inner.positions);
     let error = largest_error(on_inner, &expected);
     // The double layer subtracts a vertex's own velocity under the integral at vertices, but not at points of
     // the fluid; the quadrature errors differ.
-    tolerance::FLOW_NEAR.assert(error, 0.0, largest(&alone), "on the inner surface");
+    tolerance::FLOW_NEAR.assert(error, 0.0, largest_norm(&alone), "on the inner surface");
     // With another viscosity inside, the surface has an effect.
     let nested = Nested::new(&[(&outer, 5.0), (&inner, 1.0)]);
     let nothing = vec![[0.0; 3]; inner.positions.len()];
     let (_, _, other) = nested.solved(&[tractions, nothing].concat());
-    assert!(largest_error(&other, &velocity) > 0.01 * largest(&alone));
+    assert!(largest_error(&other, &velocity) > 0.01 * largest_norm(&alone));
 }
 
 /// Three nested surfaces and one beside them give the same results in any order.
@@ -186,7 +186,7 @@ fn nested_surfaces_may_stand_in_any_order() {
     let expected = run([0, 1, 2, 3]);
     for order in [[2, 1, 0, 3], [3, 0, 2, 1], [1, 3, 0, 2]] {
         let error = largest_error(&run(order), &expected);
-        tolerance::FLOW_SOLVED.assert(error, 0.0, largest(&expected), "velocity");
+        tolerance::FLOW_SOLVED.assert(error, 0.0, largest_norm(&expected), "velocity");
     }
 }
 

@@ -1,7 +1,7 @@
 //! Integrals over single triangles, near and far.
 
 use super::{
-    ONE, U, VISCOSITY, at_points, at_vertices, in_parts, largest, largest_error, layer, scaled,
+    ONE, U, VISCOSITY, at_points, at_vertices, in_parts, largest_error, largest_norm, layer, scaled,
 };
 use helfrich::TriangleMesh;
 use helfrich_std::flow::{DoubleLayer, SingleLayer};
@@ -152,7 +152,7 @@ fn far_points_see_three_stokeslets_a_triangle() {
     });
     let expected = Vec::from_iter(expected);
     let error = largest_error(&at_points(&layer(&[&sphere], &field), &points), &expected);
-    tolerance::FLOW_ROUNDING.assert(error, 0.0, largest(&expected), "far off");
+    tolerance::FLOW_ROUNDING.assert(error, 0.0, largest_norm(&expected), "far off");
 }
 
 /// If every triangle is near, the remaining error is that of the seven-point rule of degree five.
@@ -239,7 +239,7 @@ fn close_points_see_triangles_in_parts() {
     let found = at_points(&layer(&[&sphere], &field), &points);
     let expected = at_points(&layer(&[&fine], &fine_field), &points);
     let error = largest_error(&found, &expected);
-    tolerance::FLOW_NEAR.assert(error, 0.0, largest(&expected), "near a surface");
+    tolerance::FLOW_NEAR.assert(error, 0.0, largest_norm(&expected), "near a surface");
 
     // The vertices of another surface at these points have the same velocities.
     let other = Mesh::new(
@@ -250,7 +250,7 @@ fn close_points_see_triangles_in_parts() {
     tractions.resize(field.len() + other.positions.len(), [0.0; 3]);
     let velocity = at_vertices(&layer(&[&sphere, &other], &tractions));
     let same = largest_error(&velocity[field.len()..], &found);
-    tolerance::FLOW_ROUNDING.assert(same, 0.0, largest(&found), "on another surface");
+    tolerance::FLOW_ROUNDING.assert(same, 0.0, largest_norm(&found), "on another surface");
 }
 
 #[test]
@@ -260,7 +260,7 @@ fn points_on_a_surface_and_surfaces_without_extent_give_finite_velocities() {
     let found = at_points(&layer_of, &sphere.positions);
     let expected = at_vertices(&layer_of);
     let error = largest_error(&found, &expected);
-    tolerance::FLOW_SPHERE.assert(error, 0.0, largest(&sphere.positions), "at a vertex");
+    tolerance::FLOW_SPHERE.assert(error, 0.0, largest_norm(&sphere.positions), "at a vertex");
     let point = sphere.map(|_| [2.0, 3.0, 4.0]);
     let velocity = at_vertices(&layer(&[&point], &sphere.positions));
     assert!(velocity.iter().flatten().all(|&u| u == 0.0));

@@ -1,8 +1,8 @@
 //! Velocities of the single layer.
 
 use super::{
-    U, VISCOSITY, around_sphere, assert_second_order, at_points, at_vertices, away, drag, largest,
-    largest_error, layer, scaled, together,
+    U, VISCOSITY, around_sphere, assert_second_order, at_points, at_vertices, away, drag,
+    largest_error, largest_norm, layer, scaled, together,
 };
 use helfrich_tests::meshes::{GENERIC, icosphere, norm, rotation, turned};
 use helfrich_tests::tolerance::{self, Tolerance};
@@ -51,7 +51,7 @@ fn nodal_forces_are_spread_over_barycentric_areas() {
     let expected = at_vertices(&layer);
     layer.set_forces(&sphere.positions, &Vec::from_iter(forces));
     let error = largest_error(&at_vertices(&layer), &expected);
-    tolerance::FLOW_ROUNDING.assert(error, 0.0, largest(&expected), "velocity");
+    tolerance::FLOW_ROUNDING.assert(error, 0.0, largest_norm(&expected), "velocity");
 }
 
 #[test]
@@ -60,10 +60,10 @@ fn pressure_moves_nothing() {
     for refinement in 1..=4 {
         let sphere = icosphere(refinement);
         let layer = layer(&[&sphere], &sphere.positions);
-        on.push(largest(&at_vertices(&layer)));
+        on.push(largest_norm(&at_vertices(&layer)));
         // Points inside and outside the sphere.
         let points = [0.0, 0.3, 0.7, 1.3, 3.0].map(|r| scaled(r / norm(U), U));
-        off.push(largest(&at_points(&layer, &points)));
+        off.push(largest_norm(&at_points(&layer, &points)));
     }
     assert_second_order(&on, "∫ G·n dS on the surface");
     assert_second_order(&off[1..], "∫ G·n dS off the surface");
@@ -134,5 +134,5 @@ fn velocities_move_with_the_surfaces() {
     let expected = Vec::from_iter(expected.into_iter().map(|u| turned(turn, u)));
     let found = at_vertices(&layer(&[&c, &d], &turned_tractions));
     let error = largest_error(&found, &expected);
-    FLOW_MOTION.assert(error, 0.0, largest(&expected), "velocity");
+    FLOW_MOTION.assert(error, 0.0, largest_norm(&expected), "velocity");
 }

@@ -2,7 +2,7 @@
 
 use autodiff::F1;
 use helfrich::{Dissipation, Finding, MembraneViscosity, Prepared, Real, Surface};
-use helfrich_tests::laws::{imbalance, largest};
+use helfrich_tests::laws::{imbalance, largest, with_derivatives};
 use helfrich_tests::meshes::{
     GENERIC, Mesh, SplitMix64, cases, cross, difference, disc, dot, icosphere, norm, rotation,
     rough_any, turned,
@@ -70,13 +70,12 @@ proptest! {
             tolerance::BALANCE.assert(torque, 0.0, 1.0, "Σ x × F");
 
             let direction = random.directions(velocities.len());
-            let moved = velocities.iter().zip(&direction);
-            let moved = moved.map(|(v, d)| [0, 1, 2].map(|k| F1::new(v[k], d[k])));
+            let moved = with_derivatives(&velocities, &direction);
             let dual = MembraneViscosity {
                 shear: F1::cst(method.shear),
                 dilational: F1::cst(method.dilational),
             };
-            let derivative = 0.5 * power(dual, mesh, &Vec::from_iter(moved)).dx;
+            let derivative = 0.5 * power(dual, mesh, &moved).dx;
             let scale = bound(&force, &direction);
             tolerance::SAME.assert(-work(&force, &direction), derivative, scale, "−∂R/∂v");
 

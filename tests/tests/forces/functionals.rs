@@ -6,6 +6,7 @@ use helfrich::{
     AnyFunctional, BoundaryLength, EnclosedVolume, Functional, Method, PatchFunctional, Real,
     Serial, Surface, TotalArea, TotalGaussianCurvature, TotalMeanCurvature, TriangleMesh,
 };
+use helfrich_tests::laws::with_derivatives;
 use helfrich_tests::meshes::{
     Mesh, SplitMix64, bent, cases, disc, hemisphere, icosphere, octahedron, rough_any, tetrahedron,
     torus,
@@ -107,9 +108,8 @@ fn check_gradient(mesh: &Mesh) {
             .fold(1e-3_f64, |m, x| m.max(x.abs()));
         for _ in 0..4 {
             let direction = random.directions(mesh.positions.len());
-            let moved = mesh.positions.iter().zip(&direction);
-            let moved = moved.map(|(x, d)| [0, 1, 2].map(|k| F1::new(x[k], d[k])));
-            let dual = values(functional, mesh, &Vec::from_iter(moved));
+            let moved = with_derivatives(&mesh.positions, &direction);
+            let dual = values(functional, mesh, &moved);
             let derivative: f64 = dual.iter().zip(&weights).map(|(f, w)| w * f.dx).sum();
             let pairs = gradient.iter().flatten().zip(direction.iter().flatten());
             let found: f64 = pairs.map(|(g, d)| g * d).sum();

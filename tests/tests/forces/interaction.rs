@@ -5,7 +5,7 @@ mod images;
 use autodiff::F1;
 use helfrich::{Images, Interaction, Real, Repulsion, Serial, Surface, VertexKind};
 use helfrich_std::execute::Parallel;
-use helfrich_tests::laws::largest;
+use helfrich_tests::laws::{largest, with_derivatives};
 use helfrich_tests::meshes::{
     GENERIC, Mesh, SplitMix64, bent, cases, cross, difference, dot, hemisphere, icosphere, norm,
     rotation, torus, turned,
@@ -244,11 +244,8 @@ fn check_gradient(repulsion: Repulsion<f64>, meshes: &[Mesh], seed: u64) {
     };
     for _ in 0..4 {
         let directions = Vec::from_iter(x.iter().map(|x| random.directions(x.len())));
-        let moved = x.iter().zip(&directions).map(|(x, d)| {
-            let both = x.iter().zip(d);
-            both.map(|(x, d)| [0, 1, 2].map(|k| F1::new(x[k], d[k])))
-                .collect()
-        });
+        let moved = x.iter().zip(&directions);
+        let moved = moved.map(|(x, d)| with_derivatives(x, d));
         let (energy, _) = evaluate(dual, meshes, &Vec::from_iter(moved));
         let pairs = forces.iter().flatten().zip(directions.iter().flatten());
         let work: f64 = pairs.map(|(&f, &d)| -dot(f, d)).sum();

@@ -2,8 +2,7 @@
 
 use autodiff::F1;
 use helfrich::{LoadError, PointLoads, Prepared, Surface};
-use helfrich_tests::laws::check_gradient;
-use helfrich_tests::laws::{energy, forces};
+use helfrich_tests::laws::{check_gradient, energy, forces, with_derivatives};
 use helfrich_tests::meshes::{GENERIC, dot, rotation};
 use helfrich_tests::meshes::{Mesh, cases, disc, icosphere, octahedron, turned};
 use helfrich_tests::tolerance;
@@ -44,11 +43,8 @@ fn energy_is_the_work_from_the_level() {
     let dual = PointLoads::new(&mesh.connectivity, dual.collect()).unwrap();
     // Forces are the gradient, but their sum need not vanish, so the law of balance does not apply.
     let direction = [0.3, -1.0, 0.2];
-    let moved = mesh
-        .positions
-        .iter()
-        .map(|x| [0, 1, 2].map(|k| F1::new(x[k], direction[k])));
-    let derivative = energy(dual, &mesh.connectivity, &Vec::from_iter(moved)).dx;
+    let moved = with_derivatives(&mesh.positions, &[direction; 6]);
+    let derivative = energy(dual, &mesh.connectivity, &moved).dx;
     let sum: f64 = force.iter().map(|&f| dot(f, direction)).sum();
     tolerance::POLYHEDRON.assert(derivative, -sum, 1.0, "dE");
 

@@ -4,7 +4,7 @@ use helfrich::Surface;
 use helfrich_std::execute::Parallel;
 use helfrich_std::generate::{AnyShape, Family, generate};
 use helfrich_std::method::BendingMethod::{
-    self, Belkin, Corrected, CorrectedFit, Farutin, Galerkin, GompperKroll, Hamann, J4, J6,
+    self, Belkin, Corrected, CorrectedFit, Farutin, Galerkin, GompperKroll, Hamann, J4, J6, J8,
     Juelicher, KantorNelson, Loop, Meyer,
 };
 use helfrich_std::method::{AnyMethod, Evaluator, MethodOptions};
@@ -34,7 +34,7 @@ const STUDIES: [(&[BendingMethod], [usize; 3]); 3] = [
         ],
         [2562, 10_242, 40_962],
     ),
-    (&[J4, J6], [642, 2562, 10_242]),
+    (&[J4, J6, J8], [642, 2562, 10_242]),
     (&[Belkin, Galerkin], [642, 1281, 2562]),
 ];
 
@@ -279,6 +279,20 @@ const CLAIMS: &[Claim] = &[
         compared: &[LAP_H, F],
         orders: [at_least(4.0), at_least(4.0)],
         reason: "odd terms cancel, as for degree 4",
+    },
+    Claim {
+        methods: &[J8],
+        families: EVERY,
+        compared: &[H, K],
+        orders: [at_worst(7.0), at_least(7.0)],
+        reason: "h^(d − 1)",
+    },
+    Claim {
+        methods: &[J8],
+        families: EVERY,
+        compared: &[LAP_H, F],
+        orders: [at_least(5.0), at_least(5.0)],
+        reason: "h^(d − 3)",
     },
     Claim {
         methods: &[Galerkin],

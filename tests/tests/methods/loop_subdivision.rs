@@ -1,6 +1,5 @@
 //! Method S: its gradient, symmetries, and orders of convergence.
 
-use autodiff::F1;
 use helfrich::bending::ConsistentMemory;
 use helfrich::shapes::Shape;
 use helfrich::{
@@ -8,26 +7,9 @@ use helfrich::{
     Surface, TriangleMesh, VertexKind,
 };
 use helfrich_std::generate::{Family, GeneratedMesh, generate};
+use helfrich_tests::meshes::{Mesh, SplitMix64, dot, norm, octahedron, tetrahedron};
 use helfrich_tests::tolerance::{self, Tolerance};
 use std::array::from_fn;
-
-/// Forces against derivatives of the energy by dual numbers, relative to the largest force.
-const GRADIENT_EXACT: Tolerance = Tolerance::new(
-    1e-11,
-    "dual numbers have no truncation error; sums over disturbed meshes cancel to about a thousandth",
-);
-
-/// Forces against central differences of the energy, relative to the largest force.
-const LOOP_GRADIENT_DIFFERENCE: Tolerance = Tolerance::new(
-    1e-7,
-    "fourth-order differences with a step of 2e-4 leave 1e-8 of truncation and 1e-10 of rounding",
-);
-
-/// Net force and torque, relative to the sum of the lengths of all forces.
-const LOOP_NET_FORCE: Tolerance = Tolerance::new(
-    1e-12,
-    "exact up to the rounding of each force and of weights whose sums are 0",
-);
 
 /// Energies and forces of a surface that is rotated and translated by about its size, relative.
 const RIGID_MOTION: Tolerance = Tolerance::new(
@@ -78,55 +60,6 @@ fn forces(controls: ControlPoints, mesh: &TriangleMesh, positions: &Positions) -
     (energy, force)
 }
 
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    from_fn(|i| a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3])
-}
-
-fn largest(vectors: &[[f64; 3]]) -> f64 {
-    vectors
-        .iter()
-        .map(|v| dot(*v, *v).sqrt())
-        .fold(0.0, f64::max)
-}
-
-/// Points with deterministic irregular displacements of up to `amplitude`.
-fn disturbed(positions: &[[f64; 3]], amplitude: f64) -> Positions {
-    let number = |k: usize| (((k + 1) as f64 * 12.9898).sin() * 43758.5453).fract();
-    let indexed = positions.iter().enumerate();
-    indexed
-        .map(|(i, x)| from_fn(|axis| x[axis] + amplitude * number(3 * i + axis)))
-        .collect()
-}
-
-fn tetrahedron() -> (TriangleMesh, Positions) {
-    let triangles = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
-    let corners = [
-        [1.0, 1.0, 1.0],
-        [-1.0, 1.0, -1.0],
-        [1.0, -1.0, -1.0],
-        [-1.0, -1.0, 1.0],
-    ];
-    // The triangles are clockwise for these corners, so the corners are mirrored.
-    let mirrored = corners.map(|[x, y, z]: [f64; 3]| [-x, y, z]);
-    (TriangleMesh::new(4, triangles).unwrap(), mirrored.to_vec())
-}
-
-fn octahedron() -> (TriangleMesh, Positions) {
-    let sides = (0..4).flat_map(|k| [[k, (k + 1) % 4, 4], [(k + 1) % 4, k, 5]]);
-    let mut positions = vec![
-        [1.0, 0.0, 0.0],
-        [0.0, 1.0, 0.0],
-        [-1.0, 0.0, 0.0],
-        [0.0, -1.0, 0.0],
-    ];
-    positions.extend([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]);
-    (TriangleMesh::new(6, sides.collect()).unwrap(), positions)
-}
-
 /// Sphere with holes: the triangles around two vertices are left out.
 fn with_hole() -> (TriangleMesh, Positions) {
     let made = make("discocyte", Family::Smooth, 162);
@@ -143,8 +76,8 @@ fn meshes() -> Vec<(&'static str, TriangleMesh, Positions)> {
         (made.mesh, made.positions)
     };
     [
-        ("tetrahedron", tetrahedron()),
-        ("octahedron", octahedron()),
+        ("tetrahedron", parts(tetrahedron())),
+        ("octahedron", parts(octahedron())),
         ("icosahedron", generated("sphere", Family::Smooth, 12)),
         ("smooth", generated("discocyte", Family::Smooth, 162)),
         ("irregular", generated("ellipsoid", Family::Irregular, 200)),
@@ -152,128 +85,16 @@ fn meshes() -> Vec<(&'static str, TriangleMesh, Positions)> {
         ("with hole", with_hole()),
     ]
     .map(|(name, (mesh, positions))| {
-        let positions = disturbed(&positions, 0.02);
-        (name, mesh, positions)
+        let directions = SplitMix64::new(1).directions(positions.len());
+        let moved = positions.iter().zip(directions);
+        let moved = moved.map(|(x, d)| from_fn(|axis| x[axis] + 0.02 * d[axis]));
+        (name, mesh, moved.collect())
     })
     .into()
 }
 
-/// Derivative of the energy with respect to one coordinate, by a dual number.
-fn slope(
-    method: &Prepared<F1, LoopSubdivision<F1>>,
-    mesh: &TriangleMesh,
-    positions: &Positions,
-    vertex: usize,
-    axis: usize,
-) -> f64 {
-    let mut dual = Vec::from_iter(positions.iter().map(|x| x.map(F1::cst)));
-    dual[vertex][axis] = F1::var(positions[vertex][axis]);
-    let surface = Surface::new(mesh, &dual).unwrap();
-    method.clone().energy(surface).dx
-}
-
-#[test]
-fn forces_are_the_exact_gradient() {
-    for (name, mesh, positions) in meshes() {
-        for controls in ControlPoints::ALL {
-            let method = LoopSubdivision::with_controls(F1::cst(1.0), controls);
-            let method = Prepared::new(method, &mesh);
-            let (_, force) = forces(controls, &mesh, &positions);
-            let scale = largest(&force);
-            assert!(scale > 0.0 && scale.is_finite());
-            for vertex in (0..positions.len()).step_by(positions.len().div_ceil(24)) {
-                for (axis, &found) in force[vertex].iter().enumerate() {
-                    let exact = -slope(&method, &mesh, &positions, vertex, axis);
-                    let what = format!("{controls:?} on {name}, vertex {vertex}");
-                    GRADIENT_EXACT.assert(found, exact, scale, &what);
-                }
-            }
-        }
-    }
-}
-
-#[test]
-fn forces_match_finite_differences() {
-    for (name, mesh, positions) in meshes() {
-        for controls in ControlPoints::ALL {
-            let (_, force) = forces(controls, &mesh, &positions);
-            let scale = largest(&force);
-            let mut method = prepared(controls, &mesh);
-            let vertex = positions.len() / 3;
-            for (axis, &found) in force[vertex].iter().enumerate() {
-                let mut at = |step: f64| {
-                    let mut moved = positions.clone();
-                    moved[vertex][axis] += step;
-                    method.energy(Surface::new(&mesh, &moved).unwrap())
-                };
-                // Fourth-order central difference.
-                let h = 2e-4;
-                let difference =
-                    (8.0 * (at(h) - at(-h)) - (at(2.0 * h) - at(-2.0 * h))) / (12.0 * h);
-                let what = format!("{controls:?} on {name}");
-                LOOP_GRADIENT_DIFFERENCE.assert(found, -difference, scale, &what);
-            }
-        }
-    }
-}
-
-#[test]
-fn net_force_and_torque_vanish() {
-    for (name, mesh, positions) in meshes() {
-        for controls in ControlPoints::ALL {
-            let (_, force) = forces(controls, &mesh, &positions);
-            let scale = force.iter().map(|f| dot(*f, *f).sqrt()).sum::<f64>();
-            for axis in 0..3 {
-                let net: f64 = force.iter().map(|f| f[axis]).sum();
-                let torque: f64 = positions
-                    .iter()
-                    .zip(&force)
-                    .map(|(x, f)| cross(*x, *f)[axis])
-                    .sum();
-                let what = format!("{controls:?} on {name}");
-                LOOP_NET_FORCE.assert(net, 0.0, scale, &what);
-                LOOP_NET_FORCE.assert(torque, 0.0, scale, &what);
-            }
-        }
-    }
-}
-
-#[test]
-fn motions_and_scale_change_what_they_must() {
-    for (name, mesh, positions) in meshes() {
-        for controls in ControlPoints::ALL {
-            let (energy, force) = forces(controls, &mesh, &positions);
-            let largest = largest(&force);
-            // Scaling by powers of two is exact.
-            for exponent in [-40, 40] {
-                let scale = 2f64.powi(exponent);
-                let scaled = positions.iter().map(|x| x.map(|x| scale * x)).collect();
-                let (found, scaled_force) = forces(controls, &mesh, &scaled);
-                assert_eq!(found, energy, "{controls:?} on {name}");
-                for (found, expected) in scaled_force.iter().zip(&force) {
-                    assert_eq!(
-                        found.map(|f| f * scale),
-                        *expected,
-                        "{controls:?} on {name}"
-                    );
-                }
-            }
-            let rotate = |[x, y, z]: [f64; 3]| [0.6 * x - 0.8 * y, 0.8 * x + 0.6 * y, z];
-            let moved = positions.iter().map(|x| {
-                let [x, y, z] = rotate(*x);
-                [x + 3.0, y - 2.0, z + 5.0]
-            });
-            let (found, moved_force) = forces(controls, &mesh, &moved.collect());
-            let what = format!("{controls:?} on {name}");
-            RIGID_MOTION.assert(found, energy, energy, &what);
-            for (found, expected) in moved_force.iter().zip(&force) {
-                let expected = rotate(*expected);
-                for axis in 0..3 {
-                    RIGID_MOTION.assert(found[axis], expected[axis], largest, &what);
-                }
-            }
-        }
-    }
+fn parts(mesh: Mesh) -> (TriangleMesh, Positions) {
+    (mesh.connectivity, mesh.positions)
 }
 
 #[test]
@@ -296,7 +117,7 @@ fn interpolated_surfaces_pass_through_the_nodes() {
 /// refined mesh.
 #[test]
 fn refinement_within_the_plan_changes_nothing_but_the_points() {
-    let (mesh, positions) = octahedron();
+    let (mesh, positions) = parts(octahedron());
     let fine = Subdivision::new(&mesh, 1).unwrap();
     let fine_positions = fine.refine(&positions);
     let coarse = energy(ControlPoints::Nodes, &mesh, &positions);
@@ -322,7 +143,7 @@ fn without_interior_triangle_there_is_nothing() {
 
 #[test]
 fn points_without_area_contribute_nothing_and_are_reported() {
-    let (mesh, _) = octahedron();
+    let (mesh, _) = parts(octahedron());
     let positions = vec![[1.0, 2.0, 3.0]; 6];
     let surface = Surface::new(&mesh, &positions).unwrap();
     for controls in ControlPoints::ALL {
@@ -398,7 +219,7 @@ fn errors_on_torus(vertices: usize) -> (usize, [f64; 4]) {
         let value = exact.force_density(1.0);
         let error = |found: [f64; 3]| {
             let error: [f64; 3] = from_fn(|axis| found[axis] - value * exact.normal[axis]);
-            dot(error, error).sqrt()
+            norm(error)
         };
         errors[1] = errors[1].max(error(consistent[vertex]));
         errors[2] = errors[2].max(error(lumped[vertex]));
@@ -453,7 +274,7 @@ fn errors_on_discocyte(vertices: usize) -> [f64; 3] {
 /// convex, and its corners are equivalent.
 #[test]
 fn corners_of_refined_triangles_have_their_curvature() {
-    for (mesh, positions) in [tetrahedron(), octahedron()] {
+    for (mesh, positions) in [tetrahedron(), octahedron()].map(parts) {
         let surface = Surface::new(&mesh, &positions).unwrap();
         let mut bending = prepared(ControlPoints::default(), &mesh);
         let curvature = bending.curvatures(surface);

@@ -51,10 +51,11 @@ fn memory_is_bounded() {
         // Three quadrature points for each of two patches per vertex; control points and the weights that
         // give them.
         ("S", bytes(LoopSubdivision::new(1.0)), 2400.0),
-        // 64 and 112 neighbours of 12 bytes, chosen from 120 and 220 candidates of 4 bytes; H and K at six
-        // neighbours.
+        // 64, 112 and 192 neighbours of 12 bytes, chosen from 120, 220 and 370 candidates of 4 bytes; H and K at
+        // six neighbours.
         ("J4", bytes(StrongForm::j4(1.0)), 1680.0),
         ("J6", bytes(StrongForm::j6(1.0)), 2680.0),
+        ("J8", bytes(StrongForm::j8(1.0)), 4500.0),
     ] {
         assert!(
             found > 0.5 * bound && found <= bound,

@@ -126,7 +126,12 @@ fn energies_of_open_surfaces_reach_the_boundary_or_say_what_they_leave_out() {
         (tube(60, 36, 1.6, |_| 0.9), PI * 3.2 / 0.9),
     ];
     for (mesh, exact) in &smooth {
-        for method in [BendingMethod::J4, BendingMethod::J6, BendingMethod::Jet] {
+        for method in [
+            BendingMethod::J4,
+            BendingMethod::J6,
+            BendingMethod::J8,
+            BendingMethod::Jet,
+        ] {
             let [error, left_out] = energy_error(method, mesh, *exact);
             // Areas of flat triangles are short by h²/R² and less, h ≤ 0.11 R.
             assert!(error.abs() < 6e-3, "{method}: {error}");

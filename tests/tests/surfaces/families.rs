@@ -6,6 +6,7 @@ use helfrich_std::generate::{
     AnyShape, Family, GenerateError, GeneratedMesh, ShapeDeviation, generate,
 };
 use helfrich_std::info::MeshInfo;
+use helfrich_tests::meshes::{cross, difference, dot};
 use helfrich_tests::tolerance::Tolerance;
 use std::array::from_fn;
 
@@ -36,18 +37,6 @@ fn make(name: &str, family: Family, vertices: usize, seed: u64) -> GeneratedMesh
 
 fn is_torus(name: &str) -> bool {
     name.starts_with("torus")
-}
-
-fn difference(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    from_fn(|i| a[i] - b[i])
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    from_fn(|i| a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3])
 }
 
 fn corners(made: &GeneratedMesh) -> impl Iterator<Item = [[f64; 3]; 3]> {

@@ -63,6 +63,7 @@ fn other_methods_report_rows() {
         for method in [
             BendingMethod::J4,
             BendingMethod::J6,
+            BendingMethod::J8,
             BendingMethod::Galerkin,
         ] {
             let mut evaluator = Evaluator::new(method, 1.0, connectivity);
@@ -117,6 +118,7 @@ fn other_meshes_have_no_rows() {
         for method in [
             BendingMethod::J4,
             BendingMethod::J6,
+            BendingMethod::J8,
             BendingMethod::Galerkin,
         ] {
             let mut evaluator = Evaluator::new(method, 1.0, &mesh.connectivity);

@@ -3,6 +3,7 @@
 use autodiff::FT;
 use helfrich::Real;
 use helfrich::shapes::{Discocyte, Ellipsoid, ExactPoint, Shape, Sphere, Torus};
+use helfrich_tests::meshes::{cross, dot};
 use helfrich_tests::quadrature::{over_sphere_like, over_torus};
 use helfrich_tests::tolerance::Tolerance;
 use std::array::from_fn;
@@ -145,14 +146,6 @@ fn spiral() -> Vec<[f64; 3]> {
         .collect()
 }
 
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    from_fn(|i| a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3])
-}
-
 /// Two unit vectors that make a right-handed frame with `normal`.
 fn tangents(normal: [f64; 3]) -> [[f64; 3]; 2] {
     let axis = (0..3).min_by(|&i, &j| normal[i].abs().total_cmp(&normal[j].abs()));
@@ -174,7 +167,7 @@ fn curvatures<T: Real>(point: &ExactPoint<T>) -> [f64; 3] {
 
 /// Largest |H|, |K| and |Δ_S H| on the shape of scale 1, but at least powers of the largest |H|, for
 /// quantities that vanish identically.
-fn largest<C: Case>() -> [f64; 3] {
+fn largest_curvatures<C: Case>() -> [f64; 3] {
     let mut largest = [0.0f64; 3];
     for preimage in C::samples() {
         let found = curvatures(&at::<C>(preimage));
@@ -298,7 +291,7 @@ fn curvatures_are_derivatives_of_the_normal() {
     fn law<C: Case>() {
         let shape = C::shape::<f64>(1.0);
         let dual = C::shape::<Dual2>(1.0);
-        let scale = largest::<C>();
+        let scale = largest_curvatures::<C>();
         for preimage in C::samples() {
             let point = shape.at(preimage);
             // The exact point along position + t direction, with its first and second t-derivative.
@@ -353,7 +346,7 @@ fn a_round_ellipsoid_is_a_sphere() {
 #[test]
 fn curvatures_scale() {
     fn law<C: Case>() {
-        let scale = largest::<C>();
+        let scale = largest_curvatures::<C>();
         let powers = |i: usize, s: f64| s.powi(i as i32 + 1);
         for s in [1e-12, 1e-3, 7.0, 1e12] {
             let scaled = C::shape::<f64>(s);

@@ -5,6 +5,7 @@ use helfrich::subdivision::{
     vertex_weight,
 };
 use helfrich::{MeshError, Serial, TriangleMesh, VertexKind};
+use helfrich_tests::meshes::{cross, dot, unit};
 use helfrich_tests::tolerance::SPLINE;
 use helfrich_tests::tolerance::Tolerance;
 
@@ -232,18 +233,6 @@ fn evaluate(patch: &Patch, controls: &[[f64; 3]], [v, w]: [f64; 2]) -> [[f64; 3]
         }
     }
     sums
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [0, 1, 2].map(|i| a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3])
-}
-
-fn unit(a: [f64; 3]) -> [f64; 3] {
-    a.map(|x| x / dot(a, a).sqrt())
 }
 
 /// Unit normal, mean and Gaussian curvature.

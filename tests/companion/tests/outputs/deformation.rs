@@ -226,7 +226,7 @@ fn planes_are_those_in_which_a_flow_shears() {
     let gradient = std::array::from_fn(|i| std::array::from_fn(|j| -40.0 * along[i] * across[j]));
     let found = ShearPlane::at(&Ambient::Linear { gradient }, [1.0, 2.0, 3.0]).unwrap();
     // Both directions may be reversed together.
-    let same = |a, b, what| assert_close(dot(a, b).abs(), 1.0, 1.0, what);
+    let same = |a: [f64; 3], b, what| assert_close(dot(a, b).abs(), 1.0, 1.0, what);
     same(found.flow(), along, "flow");
     same(found.gradient(), across, "gradient");
     assert_close(

@@ -247,14 +247,14 @@ const CASES: &[Case] = &[
     Case {
         name: "flat octahedra",
         meaning: "Closed surfaces as thin as 1e-3 of their size.",
-        input: |random, _| octahedron(random, [1.0, 1.0, 1e-3], 0.1),
+        input: |random, _| displaced_octahedron(random, [1.0, 1.0, 1e-3], 0.1),
         triangles: OCTAHEDRON,
         formulas: OF_SURFACES,
     },
     Case {
         name: "long octahedra",
         meaning: "Closed surfaces of needles, a hundred times as long as they are wide.",
-        input: |random, _| octahedron(random, [0.01, 0.01, 1.0], 0.1),
+        input: |random, _| displaced_octahedron(random, [0.01, 0.01, 1.0], 0.1),
         triangles: OCTAHEDRON,
         formulas: OF_SURFACES,
     },
@@ -264,7 +264,7 @@ const CASES: &[Case] = &[
                   positions as stored.",
         input: |random, scalar| {
             let far = if scalar == Scalar::F64 { 1e6 } else { 1e3 };
-            let mut input = octahedron(random, [1.0, 0.8, 0.7], 0.1);
+            let mut input = displaced_octahedron(random, [1.0, 0.8, 0.7], 0.1);
             input.iter_mut().flatten().for_each(|x| *x += far);
             input
         },
@@ -542,7 +542,7 @@ fn deformed(random: &mut Random, [along, across]: [f64; 2]) -> Vec<[f64; 3]> {
 }
 
 /// An octahedron with these semi-axes; each vertex is displaced at random by this fraction of them.
-fn octahedron(random: &mut Random, axes: [f64; 3], jitter: f64) -> Vec<[f64; 3]> {
+fn displaced_octahedron(random: &mut Random, axes: [f64; 3], jitter: f64) -> Vec<[f64; 3]> {
     let corners = [
         DVec3::X,
         DVec3::Y,

@@ -5,8 +5,8 @@ mod trial;
 use super::specimen::{self, Specimen, SpecimenError};
 use super::{Bound, Group, Row, StabilityError};
 use helfrich_std::method::BendingMethod::{
-    self, Belkin, Farutin, Galerkin, GompperKroll, Hamann, J4, J6, Juelicher, KantorNelson, Loop,
-    Meyer,
+    self, Belkin, Farutin, Galerkin, GompperKroll, Hamann, J4, J6, J8, Juelicher, KantorNelson,
+    Loop, Meyer,
 };
 use helfrich_std::scalar::Scalar;
 use std::cell::OnceCell;
@@ -70,7 +70,7 @@ fn undisturbed(method: BendingMethod) -> Bound {
 /// of jets, of degree 4 on these meshes.
 fn slivers(method: BendingMethod, [flagged, by_loop]: [f64; 2]) -> Bound {
     match method {
-        Galerkin | J4 | J6 => near(GROWTH * clean(method), 0.0),
+        Galerkin | J4 | J6 | J8 => near(GROWTH * clean(method), 0.0),
         Loop => near(GROWTH * clean(method), by_loop),
         _ => near(GROWTH * clean(method), flagged),
     }
@@ -104,7 +104,7 @@ fn irregular(method: BendingMethod, _scalar: Scalar) -> Bound {
             flagged: 0.06,
         },
         Loop => near(error, 0.3),
-        Galerkin | J4 | J6 | Belkin | Hamann => near(error, 0.0),
+        Galerkin | J4 | J6 | J8 | Belkin | Hamann => near(error, 0.0),
         _ => near(error, 0.06),
     }
 }
@@ -124,7 +124,7 @@ fn valences(method: BendingMethod, scalar: Scalar) -> Bound {
         },
         Loop => near(most, 1.0),
         // Vertices on circles of latitude lie in rows.
-        Galerkin | J4 | J6 => near(most, 0.07),
+        Galerkin | J4 | J6 | J8 => near(most, 0.07),
         Belkin | Hamann => near(most, 0.0),
         Farutin => near(most, 0.1),
         _ => near(most, 0.82),
@@ -177,7 +177,7 @@ const CASES: &[Case] = &[
         bound: |method, _| match method {
             // Three vertices on a line are a row of the fits around them.
             Galerkin | J4 => near(GROWTH * clean(method), 0.24),
-            J6 => near(GROWTH * clean(method), 0.15),
+            J6 | J8 => near(GROWTH * clean(method), 0.15),
             _ => slivers(method, [0.45, 0.96]),
         },
     },
@@ -263,7 +263,7 @@ const CASES: &[Case] = &[
             // Edges of 0.13 R resolve neither the rim nor the dimples well, jets of degree 6 least of all.
             KantorNelson => near(2.0, 0.0),
             Galerkin | J4 => near(0.5, 0.0),
-            J6 => near(0.6, 0.0),
+            J6 | J8 => near(0.6, 0.0),
             _ => near(1.0, 0.0),
         },
     },

@@ -122,7 +122,7 @@ fn steps_beyond_what_membranes_allow_are_warned_of() {
         ],
     );
     // κ step/(μ spacing edge²) may be 0.09/ν; twice that is too much.
-    let edge = mean_edge(&placed(&capsule(&[])));
+    let edge = equilateral_edge(&placed(&capsule(&[])));
     let most = 2.0 * 0.45 * edge * edge / 6.0;
     warned_beyond(
         &[
@@ -378,7 +378,7 @@ fn adhesion_limits_the_step() {
 }
 
 /// Edge length of an equilateral triangle of the mean area.
-fn mean_edge(mesh: &MeshInfo) -> f64 {
+fn equilateral_edge(mesh: &MeshInfo) -> f64 {
     (4.0 * mesh.area / (3_f64.sqrt() * mesh.triangles as f64)).sqrt()
 }
 
@@ -390,7 +390,7 @@ fn the_default_step_obeys_all_limits() {
     let thin = ("resolution = 6", "resolution = 6\nlattice_viscosity = 0.1");
     let thinner = ("resolution = 6", "resolution = 6\nlattice_viscosity = 0.05");
     let thick = ("resolution = 6", "resolution = 6\nlattice_viscosity = 1");
-    let edge = mean_edge(&placed(&capsule(&[])));
+    let edge = equilateral_edge(&placed(&capsule(&[])));
     for (replacements, name, limit) in [
         (
             &[][..],
@@ -469,7 +469,7 @@ fn explanations_have_the_numbers_of_the_lattice() {
         let found = lattice.groups.iter().find(|group| group.formula == formula);
         found.unwrap_or_else(|| panic!("{formula}")).value
     };
-    let edge = mean_edge(&placed(&capsule(&[])));
+    let edge = equilateral_edge(&placed(&capsule(&[])));
     for (formula, expected) in [
         ("a_min/spacing", 6.0),
         ("h/spacing", 6.0 * edge),

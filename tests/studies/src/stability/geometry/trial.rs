@@ -46,13 +46,13 @@ impl Trial<'_> {
         let quality = self.quality(&evaluator, surface);
         let energy = evaluator.energy(surface);
         let errors = self.errors(&fields);
-        let error = largest(errors.iter().copied());
+        let error = largest_known(errors.iter().copied());
         let flags = quality.flagged();
         let flagged = flags.iter().filter(|flagged| **flagged).count();
         let counts = |vertex: usize| !flags[vertex] || flagged == flags.len();
         let unflagged = errors.iter().zip(flags);
         let unflagged = unflagged.filter(|(_, flagged)| !**flagged);
-        let unflagged = largest(unflagged.map(|(&error, _)| error));
+        let unflagged = largest_known(unflagged.map(|(&error, _)| error));
         let [mut moved, mut scaled] = [None, None];
         if self.invariance {
             scaled = Some(self.scaled(&mut evaluator, mesh, &fields)?);
@@ -168,7 +168,7 @@ fn double<T: Real>(value: T) -> f64 {
 }
 
 /// Largest of non-negative numbers; infinity if any is NaN.
-fn largest(values: impl Iterator<Item = f64>) -> f64 {
+fn largest_known(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, |most, value| {
         if value.is_nan() {
             f64::INFINITY
@@ -186,8 +186,8 @@ fn defect<T: Real>(fields: &Fields<T>, other: &Fields<T>, factor: f64) -> f64 {
     };
     let (here, there) = (vectors(fields), vectors(other));
     let pairs = here.iter().zip(&there);
-    let most = largest(here.iter().map(|f| f.abs()));
-    let change = largest(pairs.map(|(here, there)| (here - factor * there).abs()));
+    let most = largest_known(here.iter().map(|f| f.abs()));
+    let change = largest_known(pairs.map(|(here, there)| (here - factor * there).abs()));
     if change == 0.0 { 0.0 } else { change / most }
 }
 
