@@ -2,7 +2,8 @@
 //!
 //! The exact curvatures of such a mesh are unknown. Without noise, jets of degree 8 are the reference. The error of J6 is
 //! estimated as the distance of degree 6 from the reference, or as the geometric mean of the distances of degrees 6 and 4
-//! if that is larger, because near the limit of resolution degree 8 is hardly better than degree 6. On exact shapes
+//! if that is larger, because near the limit of resolution degree 8 is hardly better than degree 6; the error of J8 as
+//! smaller by the root of the ratio of these distances. On exact shapes
 //! (discocyte, ellipsoids, tori; regular, irregular and hard meshes of 42 vertices and more) the true error of J6 was at
 //! most 1.3 times this estimate wherever the estimate was below a half at the worst vertex. Above [`RESOLVED`] the
 //! estimate is not reliable.
@@ -39,7 +40,7 @@ pub struct Request {
     /// Largest allowed error, relative to the largest value on the surface.
     pub target: f64,
     /// The methods to choose from. `jet` chooses its scale where there is noise, and is measured once, whatever the number
-    /// types; without noise it equals J4 or J6, and is left out if these are listed.
+    /// types; without noise it equals J4, J6 or J8, and is left out if these are listed.
     pub methods: Vec<AnyMethod>,
     /// Options of the methods; each takes those that it has.
     pub options: MethodOptions,
@@ -121,10 +122,7 @@ pub struct Recommendation {
 }
 
 /// Methods beside `jet` whose expected errors are estimates; those of others are upper bounds.
-const JETS: [AnyMethod; 2] = [
-    AnyMethod::Listed(BendingMethod::J4),
-    AnyMethod::Listed(BendingMethod::J6),
-];
+const JETS: [BendingMethod; 3] = [BendingMethod::J4, BendingMethod::J6, BendingMethod::J8];
 
 /// Number of vertices below which the shape of a coarse mesh is taken for noise.
 const TOLD: usize = 1200;
@@ -212,7 +210,9 @@ pub fn recommend(
     };
     let expected = ground.of_j6().map_err(failed)?;
     // Without noise `jet` is one of these.
-    let are_given = JETS.iter().all(|degree| request.methods.contains(degree));
+    let are_given = JETS
+        .iter()
+        .all(|&degree| request.methods.contains(&degree.into()));
     let mut candidates = Vec::new();
     let mut done = 2;
     for &scalar in &request.scalars {
@@ -349,10 +349,12 @@ const REPLICAS: usize = 2;
 
 /// Reference of all methods.
 enum Known {
-    /// Jets of degree 8 on a surface without noise, and the errors of J6 by the distances of degrees 6 and 4 from them.
+    /// Jets of degree 8 on a surface without noise, and the errors of J6 and J8 by the distances of degrees 6 and 4
+    /// from them.
     Exact {
         reference: Reference,
         of_j6: [f64; 2],
+        of_j8: [f64; 2],
     },
     /// Adaptive jets on a surface with noise.
     Noisy(Uncertain),
@@ -361,7 +363,8 @@ enum Known {
 impl Known {
     fn exact(surface: Surface<'_, f64>, quantity: Quantity) -> Self {
         let mesh = surface.mesh();
-        let (fields, findings) = Evaluator::reference(1.0, mesh).fields_and_findings(surface);
+        let (fields, findings) =
+            Evaluator::new(BendingMethod::J8, 1.0, mesh).fields_and_findings(surface);
         let is_lowered = |finding: &&Finding| match **finding {
             Finding::ReducedDegree { vertex, .. } | Finding::TooFewNeighbours { vertex } => {
                 mesh.is_interior(vertex as usize)
@@ -375,11 +378,17 @@ impl Known {
             let fields = Evaluator::new(method, 1.0, mesh).fields(surface);
             reference.errors(&fields, quantity)
         });
-        let of_j6 = [0, 1].map(|norm| match is_whole {
-            true => near[norm].max((near[norm] * far[norm]).sqrt()),
-            false => f64::INFINITY,
-        });
-        Self::Exact { reference, of_j6 }
+        let of_distances = |error: fn(f64, f64) -> f64| {
+            [0, 1].map(|norm| match is_whole {
+                true => error(near[norm], far[norm]),
+                false => f64::INFINITY,
+            })
+        };
+        Self::Exact {
+            reference,
+            of_j6: of_distances(|near, far| near.max((near * far).sqrt())),
+            of_j8: of_distances(|near, far| near.min(near * (near / far).sqrt())),
+        }
     }
 
     fn reference(&self) -> &Reference {
@@ -398,8 +407,12 @@ impl Known {
     ) -> [f64; 2] {
         match self {
             Self::Noisy(uncertain) => uncertain.expected(fields, is_bound(method)),
-            Self::Exact { of_j6, .. } => [0, 1].map(|norm| {
-                let (unknown, distance) = (of_j6[norm], distances[norm]);
+            Self::Exact { of_j6, of_j8, .. } => [0, 1].map(|norm| {
+                let distance = distances[norm];
+                let unknown = match method == BendingMethod::J8 {
+                    true => of_j8[norm],
+                    false => of_j6[norm],
+                };
                 match (is_bound(method), scalar) {
                     (_, Scalar::F64) if method == BendingMethod::J6 => unknown,
                     (true, _) => unknown + distance,
@@ -412,7 +425,7 @@ impl Known {
 
 /// Whether expected errors of a method are upper bounds: those of jets are estimates.
 fn is_bound(method: AnyMethod) -> bool {
-    !(JETS.contains(&method) || method.has_error_bars())
+    !(JETS.iter().any(|&degree| method == degree) || method.has_error_bars())
 }
 
 /// The surface on which methods are measured, and the reference with which they are compared.
@@ -457,7 +470,7 @@ impl Ground<'_> {
         let smooth = quiet.as_ref();
         let smooth = smooth.map_or(self.surface.positions(), |quiet| &quiet.positions);
         let smooth = Surface::new(mesh, smooth)?;
-        let eighth = Reference::of(&Evaluator::reference(1.0, mesh).fields(smooth));
+        let eighth = Reference::of(&Evaluator::new(BendingMethod::J8, 1.0, mesh).fields(smooth));
         let eighth = eighth.in_units_like(&jet.reference);
         let is_told = mesh.vertex_count() >= TOLD;
         Ok(Expected {

@@ -111,15 +111,16 @@ impl<'py> Reader<'_, 'py> {
     fn in_plane<W: StrainEnergy<f64>>(&self, law: W) -> PyResult<InPlane<f64, W>> {
         let positions = Positions::named(&self.get("reference")?, "reference")?;
         let positions = positions.double();
-        Surface::new(self.ground.mesh, &positions[..]).map_err(Fault::from)?;
+        let wrong = |fault: Fault| fault.of_argument("reference");
+        Surface::new(self.ground.mesh, &positions[..]).map_err(|error| wrong(error.into()))?;
         let positions = match self.ground.order {
             Some(order) => order.apply(&positions),
             None => positions.into_owned(),
         };
         let own = self.ground.own;
-        let reference = Surface::new(own, &positions).map_err(Fault::from)?;
+        let reference = Surface::new(own, &positions).map_err(|error| wrong(error.into()))?;
         let made = InPlane::new(law, own, reference);
-        Ok(made.map_err(Fault::new)?)
+        Ok(made.map_err(|error| wrong(Fault::new(error)))?)
     }
 
     /// The effect of a potential whose parameters are checked.

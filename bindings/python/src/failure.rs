@@ -42,6 +42,14 @@ impl Fault {
         }
     }
 
+    /// The fault of an argument.
+    pub(crate) fn of_argument(self, name: &str) -> Self {
+        Self {
+            message: format!("{name}: {}", self.message),
+            ..self
+        }
+    }
+
     /// The message and the attributes.
     pub(crate) fn describe<'py>(&self, py: Python<'py>) -> PyResult<(&str, Bound<'py, PyDict>)> {
         let places = PyDict::new(py);

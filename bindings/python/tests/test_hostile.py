@@ -242,7 +242,7 @@ def test_keywords_of_effects_are_refused_by_name(name):
         def call(value, keyword=keyword):
             helfrich.Membrane(F, getattr(effects, name)(**{**GOOD[name], keyword: value}))
 
-        words = {"reference": "reference|positions|coordinate", "kappa": "kappa|modulus", "H0": "H0|curvature", "domains": "domains|labels", "forces": "forces?|load"}
+        words = {"kappa": "kappa|modulus", "H0": "H0|curvature", "domains": "domains|labels", "forces": "forces?|load"}
         found = faults(of(words.get(keyword, keyword.replace("_", "[_ ]")), values, call))
         wrong += [f"{keyword} = {fault}" for fault in found]
     assert not wrong, "\n".join(wrong)

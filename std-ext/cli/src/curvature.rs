@@ -160,8 +160,8 @@ const MOST_COMPONENTS: usize = 10;
 /// Whether f of a method does not converge at every vertex of every mesh: that of jets does, with G on all
 /// meshes but hard ones. Nothing is known of methods outside the list.
 fn has_undetermined_force(method: AnyMethod) -> bool {
-    use BendingMethod::{Galerkin, J4, J6, Jet};
-    let determined = [Jet, J4, J6, Galerkin].map(AnyMethod::from);
+    use BendingMethod::{Galerkin, J4, J6, J8, Jet};
+    let determined = [Jet, J4, J6, J8, Galerkin].map(AnyMethod::from);
     let listed = BendingMethod::NAMED.map(AnyMethod::from);
     method.has_force() && listed.contains(&method) && !determined.contains(&method)
 }

@@ -40,7 +40,7 @@ pub struct StudyArguments {
     #[arg(long, default_value = "discocyte")]
     shape: AnyShape,
     #[arg(long, value_delimiter = ',', value_parser = methods, help = format!(
-        "Methods by name or letter, or `all`: {}; jet chooses j4 or j6 for the mesh. By default A,B,C,J6",
+        "Methods by name or letter, or `all`: {}; jet is j4, j6 or j8, by the number of vertices. By default A,B,C,J6",
         method_names()
     ))]
     method: Vec<Vec<AnyMethod>>,

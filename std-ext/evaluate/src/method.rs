@@ -148,7 +148,7 @@ macro_rules! methods {
         }
 
         impl BendingMethod {
-            /// Every bending method, with J in its two degrees.
+            /// Every bending method, with J in its three degrees.
             pub const ALL: [Self; [$(stringify!($method)),*].len()] = [$(Self::$method),*];
 
             /// Every operator for curvatures only.
@@ -378,6 +378,17 @@ methods! {
             defines: [true, true, true],
         },
         Bytes::Fixed(2550);
+        /// J of degree 8.
+        J8: strong_form(Jet<T>, |settings: Settings<'_, T>| settings.strong_form(Jet::j8())),
+        Description {
+            name: "j8",
+            letter: None,
+            label: "J8",
+            title: "Jets, degree 8",
+            idea: "polynomials fitted to twice as many neighbours",
+            defines: [true, true, true],
+        },
+        Bytes::Fixed(4300);
     }
     by_mesh {
         /// J of the degree that suits the mesh.
@@ -393,7 +404,7 @@ methods! {
             idea: "of the degree that suits the mesh",
             defines: [true, true, true],
         },
-        Bytes::Fixed(2550);
+        Bytes::Fixed(4300);
     }
     curvatures_only {
         /// Corrected curvature measures with averaged normals.

@@ -12,9 +12,6 @@ use helfrich::shapes::{ExactPoint, Shape};
 use helfrich::{AdaptiveJet, Estimate, Measured, Surface, Verdict};
 use serde::Serialize;
 
-/// Neighbours of the fixed regression jets that `jet` is compared with.
-const LADDER: [usize; 8] = [45, 64, 90, 128, 181, 256, 362, 512];
-
 /// H, K and f.
 const QUANTITIES: usize = 3;
 
@@ -264,7 +261,7 @@ impl Truth {
 
     fn best_fixed(&self, made: &GeneratedMesh, surface: Surface<'_, f64>) -> [f64; QUANTITIES] {
         let jets = Evaluator::new(BendingMethod::J6, 1.0, &made.mesh).fields(surface);
-        let ladder = LADDER.into_iter();
+        let ladder = AdaptiveJet::<f64>::LADDER.into_iter();
         let ladder = ladder.take_while(|neighbours| neighbours + 1 < self.points.len());
         let fixed = ladder.filter_map(|neighbours| {
             let jet = AdaptiveJet {

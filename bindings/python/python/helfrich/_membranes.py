@@ -43,7 +43,7 @@ def bending_energy(
         "kantor-nelson" has the modulus k̃ = 2κ/√3 of an edge, with which forces are those of κ. Its energy
         includes a Gaussian modulus: 2 ∫ κ (H² − ⅔ K) dS, which is 8πκ/3 for a sphere.
 
-    On an open mesh, "j4", "j6" and "jet" measure up to the border. The energies of other methods leave out
+    On an open mesh, "j4", "j6", "j8" and "jet" measure up to the border. The energies of other methods leave out
     about half a row of triangles there, because theirs are the natural boundary conditions at a border that is
     free: a `helfrich.MeshWarning` says which share of the area is missing.
 

@@ -35,7 +35,7 @@ def laplacian(
         The mesh, as in `curvature`. Boundaries are free: nothing flows through them.
     method : str
         "cotangent" is that of linear finite elements. The operators of methods in strong form are
-        "meyer", "belkin", "farutin", "j4", "j6" and "jet": L is −M Δ then, and neither symmetric nor
+        "meyer", "belkin", "farutin", "j4", "j6", "j8" and "jet": L is −M Δ then, and neither symmetric nor
         semidefinite, but jets converge at every vertex.
     mass : str
         For "cotangent", the areas on the diagonal of M: "mixed", those of the cotangent curvatures, "barycentric",

@@ -4,8 +4,8 @@ Each has an energy E and the force −∂E/∂x. Numbers are in any one system o
 vertices" is one for all, or an array (n,); a number "of the components" is one for all, or an array with
 one for each connected component.
 
-All have exact gradients, except `Bending` by the methods in strong form: meyer, belkin, farutin, j4, j6 and
-jet, whose forces converge where gradients do not.
+All have exact gradients, except `Bending` by the methods in strong form: meyer, belkin, farutin, j4, j6,
+j8 and jet, whose forces converge where gradients do not.
 
 Examples
 --------
@@ -50,7 +50,7 @@ class Bending:
     `helfrich.METHODS`; `areas` and `bandwidth` are options of those that have them. "kantor-nelson" has
     the modulus k̃ = 2κ/√3 of an edge: its forces are those of κ, and its energy is 2 ∫ κ (H² − ⅔ K) dS.
 
-    On an open mesh, energies of methods other than j4, j6 and jet leave out about half a row of triangles at
+    On an open mesh, energies of methods other than j4, j6, j8 and jet leave out about half a row of triangles at
     the border, with a `helfrich.MeshWarning`.
     """
 

@@ -82,7 +82,7 @@ fn methods_that_leave_out_every_vertex_are_refused() {
     ];
     let mesh = Fixture::new("octahedron.obj", obj(&corners, &sides));
     let source = format!("surface.0.mesh={}", mesh.path());
-    for method in ["j4", "j6", "farutin"] {
+    for method in ["j4", "j6", "j8", "farutin"] {
         refused(
             &[
                 &format!("surface.0.bending.method={method}"),

@@ -320,7 +320,10 @@ fn noise_counts() {
                 let method: BendingMethod = candidate["method"].as_str().unwrap().parse().unwrap();
                 let truth = true_mean_error(&made, &positions, method, quantity);
                 let ratio = number(candidate, "expected") / truth;
-                let is_jet = matches!(method, BendingMethod::J4 | BendingMethod::J6);
+                let is_jet = matches!(
+                    method,
+                    BendingMethod::J4 | BendingMethod::J6 | BendingMethod::J8
+                );
                 assert_eq!(candidate["is_bound"], !is_jet);
                 let allowed = if is_jet {
                     1.0 / 1.5..1.5

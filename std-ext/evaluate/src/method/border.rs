@@ -6,7 +6,7 @@ use helfrich::Surface;
 impl BendingMethod {
     /// Whether the energy covers an open surface up to its boundary; see [`helfrich::bending`].
     pub const fn reaches_boundary(self) -> bool {
-        matches!(self, Self::J4 | Self::J6 | Self::Jet)
+        matches!(self, Self::J4 | Self::J6 | Self::J8 | Self::Jet)
     }
 
     /// The share of the area that the energy leaves out at the boundary: 0 for closed surfaces, and for methods
@@ -38,7 +38,7 @@ impl BendingMethod {
         (share > 0.0).then(|| {
             format!(
                 "the energy of {self} leaves out about half a row of triangles at the border, {share:.2} % of the \
-                 area: j4 and j6 measure up to the border"
+                 area: j4, j6 and j8 measure up to the border"
             )
         })
     }

@@ -324,23 +324,6 @@ impl Evaluator<f64> {
         let method = method.into();
         Ok(Self::made(method, options, material, mesh, threads, make))
     }
-
-    /// Prepares jets of degree 8, the highest: slow and not available in scenes, but the reference for other
-    /// methods where exact values are unknown.
-    pub fn reference(modulus: f64, mesh: &TriangleMesh) -> Self {
-        let method = StrongForm::j8(modulus);
-        Self {
-            prepared: Preparing {
-                mesh,
-                execution: Parallel::new(),
-                modulus,
-                gaussian: true,
-            }
-            .strong_form(method),
-            ordered: None,
-            force: vec![[0.0; 3]; mesh.vertex_count()],
-        }
-    }
 }
 
 /// Visitor that prepares a method for a mesh as an [`Evaluate`] object.

@@ -20,7 +20,9 @@ pub struct OperatorMatrix {
 
 /// A method that has no Laplace–Beltrami operator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{0} has no Laplace–Beltrami operator: meyer, belkin, farutin, j4, j6 and jet have one")]
+#[error(
+    "{0} has no Laplace–Beltrami operator: meyer, belkin, farutin, j4, j6, j8 and jet have one"
+)]
 pub struct NoOperator(pub BendingMethod);
 
 impl BendingMethod {

@@ -17,7 +17,8 @@ pub(super) const fn relative(method: BendingMethod) -> f64 {
         BendingMethod::Galerkin => 100.0,
         BendingMethod::J4 => 7.2,
         BendingMethod::J6 => 15.0,
-        BendingMethod::Jet => 14.0,
+        BendingMethod::J8 => 50.0,
+        BendingMethod::Jet => 50.0,
         BendingMethod::Corrected => 0.89,
         BendingMethod::CorrectedFit => 6.7,
     }
