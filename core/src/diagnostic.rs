@@ -199,8 +199,8 @@ impl Quality {
         for finding in &findings {
             let bit = finding.bit();
             match finding.place() {
-                Place::Vertex(vertex) => flag(vertex, bit),
-                Place::Triangle(triangle) => {
+                FindingPlace::Vertex(vertex) => flag(vertex, bit),
+                FindingPlace::Triangle(triangle) => {
                     let corners = mesh.triangles()[triangle as usize];
                     corners.into_iter().for_each(|corner| flag(corner, bit));
                 }
@@ -230,7 +230,7 @@ impl Quality {
 }
 
 /// The place of a finding.
-enum Place {
+enum FindingPlace {
     Vertex(u32),
     Triangle(u32),
 }
@@ -293,7 +293,7 @@ impl Finding {
         1 << kind
     }
 
-    fn place(self) -> Place {
+    fn place(self) -> FindingPlace {
         match self {
             Self::ZeroArea { vertex }
             | Self::NegativeArea { vertex }
@@ -314,10 +314,10 @@ impl Finding {
             | Self::Folded { vertex }
             | Self::OutOfRange { vertex }
             | Self::RoundedPosition { vertex }
-            | Self::NoisyPosition { vertex } => Place::Vertex(vertex),
+            | Self::NoisyPosition { vertex } => FindingPlace::Vertex(vertex),
             Self::DegenerateTriangle { triangle }
             | Self::Overstretched { triangle }
-            | Self::ThinTriangle { triangle } => Place::Triangle(triangle),
+            | Self::ThinTriangle { triangle } => FindingPlace::Triangle(triangle),
         }
     }
 }

@@ -151,7 +151,7 @@ pub fn run(
     let (state, outputs) = stored
         .map(|Stored { drive, outputs }| (drive, outputs))
         .unzip();
-    let Plan {
+    let PlannedRun {
         measures,
         drive,
         columns,
@@ -204,7 +204,7 @@ pub fn run(
 }
 
 /// State of a run before anything is written.
-struct Plan<'a> {
+struct PlannedRun<'a> {
     measures: Measures,
     drive: Box<dyn Drive + 'a>,
     columns: Vec<String>,
@@ -227,7 +227,7 @@ fn plan<'a>(
     simulation: &mut Simulation,
     positions: Vec<[f64; 3]>,
     state: Option<DriveState>,
-) -> Result<Plan<'a>, RunError> {
+) -> Result<PlannedRun<'a>, RunError> {
     files::refuse_pictures(&scene.output)?;
     let begins = state.is_none();
     let measures = Measures::new(scene, simulation, &positions);
@@ -245,7 +245,7 @@ fn plan<'a>(
     let plots = scene.output.plots.iter();
     let plots = plots.map(|plot| PlannedPlot::new(plot, &columns, simulation));
     let plots = plots.collect::<Result<_, _>>()?;
-    Ok(Plan {
+    Ok(PlannedRun {
         measures,
         drive,
         columns,

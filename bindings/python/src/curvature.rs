@@ -84,11 +84,8 @@ fn measure(question: &Question, surface: Surface<'_, f64>, watch: &Watch) -> Opt
 }
 
 /// The kinds of findings that concern each vertex.
-fn flags_of<T: Compiled>(evaluator: &Evaluator<T>, surface: Surface<'_, T>) -> Vec<u32> {
-    let findings = evaluator.findings(surface);
-    let gathered = Quality::gather(surface.mesh(), |report| {
-        findings.into_iter().for_each(report)
-    });
+fn flags_of(findings: Vec<Finding>, mesh: &TriangleMesh) -> Vec<u32> {
+    let gathered = Quality::gather(mesh, |report| findings.into_iter().for_each(report));
     gathered.flags().to_vec()
 }
 
@@ -99,8 +96,8 @@ fn evaluated<T: Compiled>(
     measured: Option<Measurement>,
     modulus: f64,
 ) -> Answer<T> {
-    let fields = evaluator.fields(surface);
-    let flags = flags_of(evaluator, surface);
+    let (fields, findings) = evaluator.fields_and_findings(surface);
+    let flags = flags_of(findings, surface.mesh());
     let columns = measured
         .as_ref()
         .map(|measured| measured.columns(&fields, modulus));

@@ -54,13 +54,19 @@ impl Cotangent {
         sums.resize(mesh.vertex_count(), [T::zero(); 8]);
         match self.area {
             DualArea::Mixed => {
-                execution.scatter(&Measures(Mixed), surface, triangles, &[], sums);
+                execution.scatter(&CotangentMeasures(Mixed), surface, triangles, &[], sums);
             }
             DualArea::Voronoi => {
-                execution.scatter(&Measures(Voronoi), surface, triangles, &[], sums);
+                execution.scatter(&CotangentMeasures(Voronoi), surface, triangles, &[], sums);
             }
             DualArea::Barycentric => {
-                execution.scatter(&Measures(Barycentric), surface, triangles, &[], sums);
+                execution.scatter(
+                    &CotangentMeasures(Barycentric),
+                    surface,
+                    triangles,
+                    &[],
+                    sums,
+                );
             }
         }
         let half = T::constant(0.5);
@@ -184,9 +190,9 @@ impl<T: Real, K: Kind> ElementKernel<T, 3, 0, 1> for Areas<K> {
 }
 
 /// Integrated Laplacian of the positions, area vector, angle and area, at each corner.
-struct Measures<K>(K);
+struct CotangentMeasures<K>(K);
 
-impl<T: Real, K: Kind> ElementKernel<T, 3, 0, 8> for Measures<K> {
+impl<T: Real, K: Kind> ElementKernel<T, 3, 0, 8> for CotangentMeasures<K> {
     #[inline(always)]
     fn evaluate(
         &self,

@@ -84,20 +84,20 @@ pub struct HeatKernelMemory<T> {
     /// The length of the edge to each entry of the mesh's one-rings.
     edge_lengths: Vec<T>,
     searches: Vec<Neighbourhood<T>>,
-    kernel: Kernel<T>,
+    kernel: GaussianKernel<T>,
     gathered: Gathered,
 }
 
 /// The numbers from which the coefficients are computed.
 #[derive(Clone, Debug, Default)]
-struct Kernel<T> {
+struct GaussianKernel<T> {
     /// 1/h at each vertex; 0 where the row is empty.
     over_bandwidth: Vec<T>,
     /// The barycentric area of each vertex.
     weights: Vec<T>,
 }
 
-impl<T: Real> Kernel<T> {
+impl<T: Real> GaussianKernel<T> {
     /// The coefficient of `neighbour`, at this squared distance, in the row of `vertex`.
     #[inline]
     fn coefficient(&self, vertex: usize, neighbour: u32, squared_distance: T) -> T {
@@ -300,7 +300,7 @@ impl<T: Real> Method<T> for HeatKernel<T> {
             cotangent: VertexSums::default(),
             edge_lengths: Vec::new(),
             searches: Vec::new(),
-            kernel: Kernel::default(),
+            kernel: GaussianKernel::default(),
             gathered: Gathered::default(),
         }
     }
@@ -343,7 +343,7 @@ impl<T: Real> Curvatures<T> for HeatKernel<T> {
         let curvature = of_vertices(surface, curvature);
         let mixed = Cotangent::new(DualArea::Mixed);
         mixed.sum(execution, surface, &mut memory.cotangent, curvature);
-        let Kernel {
+        let GaussianKernel {
             over_bandwidth,
             weights,
         } = &mut memory.kernel;

@@ -36,7 +36,7 @@ use choice::{Candidate, Chosen};
 use deviation::Deviations;
 use ground::Ground;
 use jets::Jets;
-use kind::Kind;
+use kind::FitKind;
 use level::{Estimates, Level};
 
 /// Number of independent errors whose effect is followed.
@@ -336,7 +336,7 @@ impl<T: Real> AdaptiveJet<T> {
             if is_chosen && neighbours == WIDEST && chosen.rising() <= RISING {
                 break;
             }
-            let level = || Level::new(execution, &ground, &Kind::regression(neighbours));
+            let level = || Level::new(execution, &ground, &FitKind::regression(neighbours));
             let level = first.take().unwrap_or_else(level);
             chosen.add(execution, &ground, &deviations, level, neighbours >= FOURTH);
             if is_chosen && !ground.is_on_grid && chosen.gains() <= LEFT {
@@ -392,11 +392,11 @@ impl<T: Real> AdaptiveJet<T> {
         }
         let ground = ground;
         let rings = if is_quiet { ONE_STAGE } else { u8::MAX };
-        let level = |kind: Kind<T>| Level::within(execution, &ground, &kind, rings);
-        let twin = level(Kind::interpolating());
+        let level = |kind: FitKind<T>| Level::within(execution, &ground, &kind, rings);
+        let twin = level(FitKind::interpolating());
         jets.take_one_sided(&ground, &twin);
         let (mut deviations, wider) = match is_quiet {
-            true => (Deviations::none(&ground), Some(level(Kind::wider()))),
+            true => (Deviations::none(&ground), Some(level(FitKind::wider()))),
             false => {
                 let force = &jets.values[FORCE];
                 Deviations::new(execution, &ground, &twin, force, self.deviation)
@@ -409,7 +409,7 @@ impl<T: Real> AdaptiveJet<T> {
         let candidate = Candidate::of_jets(execution, &ground, &deviations, &jets, &changes);
         let mut chosen = Chosen::new(candidate, changes, of_jets, wider.is_some());
         let first = ladder.first().map(|&neighbours| {
-            let level = Level::new(execution, &ground, &Kind::regression(neighbours));
+            let level = Level::new(execution, &ground, &FitKind::regression(neighbours));
             chosen.limit_noise(execution, &ground, &mut deviations, &values[FORCE], &level);
             level
         });

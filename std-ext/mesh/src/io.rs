@@ -48,7 +48,7 @@ use std::path::{Path, PathBuf};
 
 use crate::polygon::TooManyCorners;
 use budget::Budget;
-use builder::Builder;
+use builder::MeshBuilder;
 use helfrich::{MeshError, TriangleMesh};
 
 /// The content of a mesh file.

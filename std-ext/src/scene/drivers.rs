@@ -79,7 +79,7 @@ impl Driver {
 }
 
 /// The table of a driver in a scene file.
-trait Described {
+trait DescribedDriver {
     /// The name of the driver and its keys.
     const KIND: Kind;
 

@@ -171,7 +171,7 @@ fn polynomial(point: [f64; 3], [v, w]: [f64; 2]) -> [f64; 6] {
 
 /// The polynomials of the free points at one quadrature point.
 #[derive(Clone, Debug)]
-pub(super) struct Node<T> {
+pub(super) struct QuadraturePoint<T> {
     /// Part of the area of the parameter triangle, or of the edge.
     pub(super) weight: T,
     /// The second and third barycentric coordinate.
@@ -183,7 +183,7 @@ pub(super) struct Node<T> {
     pub(super) derivatives: [[T; 5]; FREE],
 }
 
-impl<T: Real> Node<T> {
+impl<T: Real> QuadraturePoint<T> {
     fn new(weight: f64, [v, w]: [f64; 2]) -> Self {
         let mut node = Self {
             weight: T::constant(weight),
@@ -209,9 +209,9 @@ impl<T: Real> Node<T> {
 /// The quadrature points of a patch.
 #[derive(Clone, Debug)]
 pub(super) struct Basis<T> {
-    pub(super) bulk: Vec<Node<T>>,
+    pub(super) bulk: Vec<QuadraturePoint<T>>,
     /// Points of each edge, from its first corner to its second.
-    pub(super) edges: Vec<Node<T>>,
+    pub(super) edges: Vec<QuadraturePoint<T>>,
 }
 
 impl<T: Real> Basis<T> {
@@ -220,14 +220,14 @@ impl<T: Real> Basis<T> {
         for [a, b, weight] in ORBITS {
             let c = 1.0 - a - b;
             for place in [[a, b], [b, c], [c, a]] {
-                bulk.push(Node::new(weight / 6.0, place));
+                bulk.push(QuadraturePoint::new(weight / 6.0, place));
             }
         }
         let mut edges = Vec::with_capacity(3 * GAUSS);
         for edge in 0..3 {
             for [t, weight] in gauss() {
                 let place = [[t, 0.0], [1.0 - t, t], [0.0, 1.0 - t]][edge];
-                edges.push(Node::new(weight, place));
+                edges.push(QuadraturePoint::new(weight, place));
             }
         }
         Self { bulk, edges }

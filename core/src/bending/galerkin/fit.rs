@@ -9,7 +9,7 @@
 //! of the size of rounding: where neighbours determine a coefficient, it changes nothing, and where they
 //! do not, the coefficient is 0 instead of undefined.
 
-use super::plan::{Block, COUNT, DEGREE};
+use super::plan::{COUNT, DEGREE, VertexBlock};
 use super::polynomial::Polynomial;
 use crate::fit::{MONOMIALS, Points, coefficient_count, exponential, place_of, set_moments};
 use crate::lane::{Lane, Several, WIDTH};
@@ -102,7 +102,7 @@ pub(super) struct FieldPull<'a, T> {
 
 /// Memory of a block.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Scratch<T> {
+pub(super) struct FitScratch<T> {
     /// Coordinates u, v, h of each neighbour, and its weight.
     pub(super) places: [Vec<Several<T>>; 3],
     pub(super) weights: Vec<Several<T>>,
@@ -162,7 +162,7 @@ impl<T: Real> Sums<T> {
     }
 }
 
-impl<T: Real> Scratch<T> {
+impl<T: Real> FitScratch<T> {
     /// The neighbours with their weights, and the memory for sums over them.
     #[inline(always)]
     pub(super) fn points(&mut self) -> (Points<'_, T>, &mut Sums<T>) {
@@ -186,7 +186,7 @@ impl<T: Real> Scratch<T> {
         &mut self,
         fit: &mut Fit<T>,
         surface: Surface<'_, T>,
-        block: &Block,
+        block: &VertexBlock,
         neighbours: &[[u32; WIDTH]],
         normals: &[[T; 3]],
     ) {
@@ -213,7 +213,7 @@ impl<T: Real> Scratch<T> {
         &mut self,
         fit: &Fit<T>,
         surface: Surface<'_, T>,
-        block: &Block,
+        block: &VertexBlock,
         neighbours: &[[u32; WIDTH]],
         normals: &[[T; 3]],
     ) {
@@ -223,7 +223,12 @@ impl<T: Real> Scratch<T> {
 
     /// Sets `places` to differences of positions.
     #[inline(always)]
-    fn gather(&mut self, surface: Surface<'_, T>, block: &Block, neighbours: &[[u32; WIDTH]]) {
+    fn gather(
+        &mut self,
+        surface: Surface<'_, T>,
+        block: &VertexBlock,
+        neighbours: &[[u32; WIDTH]],
+    ) {
         let rows = neighbours.len();
         for values in &mut self.places {
             values.resize(rows, Several::zero());
@@ -244,7 +249,7 @@ impl<T: Real> Scratch<T> {
     fn turn_into_frame(
         &mut self,
         fit: &Fit<T>,
-        block: &Block,
+        block: &VertexBlock,
         neighbours: &[[u32; WIDTH]],
         normals: &[[T; 3]],
     ) {
@@ -299,7 +304,7 @@ impl<T: Real> Scratch<T> {
     pub(super) fn pull(
         &mut self,
         fit: &Fit<T>,
-        block: &Block,
+        block: &VertexBlock,
         mut by_coefficient: [Several<T>; COUNT],
         mut by_radius: Several<T>,
         ring: &[Vec3<Several<T>>],
@@ -385,7 +390,7 @@ const LEAST_EXPONENT: f64 = -64.0;
 
 /// ρ²/Σ|d|².
 #[inline(always)]
-fn spread<T: Real>(block: &Block) -> Several<T> {
+fn spread<T: Real>(block: &VertexBlock) -> Several<T> {
     Several::from_fn(|lane| {
         let count = f64::from(block.counts[lane]);
         T::constant(2.0 * within(block.degree) / (count * count))

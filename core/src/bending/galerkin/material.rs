@@ -1,6 +1,6 @@
 //! A bending modulus or spontaneous curvature on patches.
 
-use super::basis::{FREE, Node};
+use super::basis::{FREE, QuadraturePoint};
 use super::plan::{COUNT, Plan, gather_blended};
 use crate::lane::{Lane, Several, WIDTH};
 use crate::real::Real;
@@ -28,7 +28,7 @@ pub(super) enum OnPatches<T> {
 impl<T: Real> OnPatches<T> {
     /// The value at a quadrature point.
     #[inline(always)]
-    pub(super) fn at(&self, node: &Node<T>) -> Several<T> {
+    pub(super) fn at(&self, node: &QuadraturePoint<T>) -> Several<T> {
         let (points, corners) = match self {
             Self::Constant(constant) => return *constant,
             Self::Points(points, corners) => (points, corners),

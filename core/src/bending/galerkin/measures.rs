@@ -1,6 +1,6 @@
 //! Area and enclosed volume of the patches.
 
-use super::basis::{FREE, Node};
+use super::basis::{FREE, QuadraturePoint};
 use super::material::Field;
 use super::patch::{Bars, Patches, spread};
 use super::plan::RETURNED;
@@ -134,7 +134,7 @@ impl<'a, T: Real, const GRADIENT: bool> SlotKernel<(), MeasuringSlots<'a, T>>
 #[inline(always)]
 fn add_area<T: Real, const GRADIENT: bool>(
     patches: &Patches<T>,
-    node: &Node<T>,
+    node: &QuadraturePoint<T>,
     weights: Several<T>,
     integrals: &mut Integrals<T>,
     bars: &mut Bars<T>,
@@ -153,7 +153,7 @@ fn add_area<T: Real, const GRADIENT: bool>(
 #[inline(always)]
 fn add_volume<T: Real, const GRADIENT: bool>(
     patches: &Patches<T>,
-    node: &Node<T>,
+    node: &QuadraturePoint<T>,
     at: Vec3<Several<T>>,
     weights: Several<T>,
     integrals: &mut Integrals<T>,

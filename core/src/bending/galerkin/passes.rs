@@ -1,6 +1,6 @@
 //! The passes over patches: energies inside patches, the geometry along their edges, and the way back.
 
-use super::basis::{FREE, GAUSS, Node};
+use super::basis::{FREE, GAUSS, QuadraturePoint};
 use super::edges::{EDGE_GRADIENT, EDGE_GRADIENTS, EDGE_VALUES};
 use super::material::Field;
 use super::patch::{Bars, Patches, spread};
@@ -156,7 +156,12 @@ impl<T: Real> Back<'_, T> {
 
     /// Adds derivatives at a quadrature point to those with respect to values at free points.
     #[inline(always)]
-    fn add_to_fields(&self, returned: &mut [Several<T>], node: &Node<T>, by: [Several<T>; 2]) {
+    fn add_to_fields(
+        &self,
+        returned: &mut [Several<T>],
+        node: &QuadraturePoint<T>,
+        by: [Several<T>; 2],
+    ) {
         let mut rest = &mut returned[RETURNED..];
         for (field, by) in self.material.iter().zip(by) {
             if field.varies() {

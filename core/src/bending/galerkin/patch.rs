@@ -1,6 +1,6 @@
 //! Patches: surfaces of degree 6 over eight triangles at once.
 
-use super::basis::{FREE, Node, POINTS};
+use super::basis::{FREE, POINTS, QuadraturePoint};
 use super::plan::{Plan, gather_blended};
 use crate::lane::{Lane, Several, WIDTH};
 use crate::real::Real;
@@ -88,7 +88,10 @@ impl<T: Real> Patches<T> {
 
     /// The surface at a quadrature point: the first N of x_v, x_w, x_vv, x_vw and x_ww.
     #[inline(always)]
-    pub(super) fn derivatives<const N: usize>(&self, node: &Node<T>) -> [Vec3<Several<T>>; N] {
+    pub(super) fn derivatives<const N: usize>(
+        &self,
+        node: &QuadraturePoint<T>,
+    ) -> [Vec3<Several<T>>; N] {
         let mut derivatives = [[Several::zero(); 3]; N];
         derivatives[..2].copy_from_slice(&self.edges);
         for (point, weights) in self.points.iter().zip(&node.derivatives) {
@@ -104,7 +107,7 @@ impl<T: Real> Patches<T> {
 
     /// The surface at a quadrature point, relative to the first corner.
     #[inline(always)]
-    pub(super) fn position(&self, node: &Node<T>) -> Vec3<Several<T>> {
+    pub(super) fn position(&self, node: &QuadraturePoint<T>) -> Vec3<Several<T>> {
         let [v, w] = node.place.map(Several::splat);
         let mut position = add(scale(v, self.edges[0]), scale(w, self.edges[1]));
         for (point, &weight) in self.points.iter().zip(&node.values) {
@@ -144,7 +147,7 @@ impl<T: Real> Patches<T> {
 impl<T: Real> Bars<T> {
     /// Adds the derivative with respect to [`Patches::position`].
     #[inline(always)]
-    pub(super) fn add_position(&mut self, node: &Node<T>, given: Vec3<Several<T>>) {
+    pub(super) fn add_position(&mut self, node: &QuadraturePoint<T>, given: Vec3<Several<T>>) {
         for (bar, &weight) in self.points.iter_mut().zip(&node.values) {
             *bar = add(*bar, scale(Several::splat(weight), given));
         }
@@ -158,7 +161,7 @@ impl<T: Real> Bars<T> {
 #[inline(always)]
 pub(super) fn spread<T: Real, const N: usize>(
     bars: &mut Bars<T>,
-    node: &Node<T>,
+    node: &QuadraturePoint<T>,
     given: &[Vec3<Several<T>>; N],
 ) {
     for (bar, weights) in bars.points.iter_mut().zip(&node.derivatives) {

@@ -37,12 +37,12 @@ pub(super) type Vectors<T> = [[T; 3]; WIDTH];
 
 /// Entry `lane` of row `row`.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Place {
+pub(super) struct LanePlace {
     row: usize,
     lane: u8,
 }
 
-impl Place {
+impl LanePlace {
     fn new(row: usize, lane: usize) -> Self {
         let lane = lane as u8;
         Self { row, lane }
@@ -63,7 +63,7 @@ impl Place {
 
 /// Vertices with fits that are computed together.
 #[derive(Clone, Debug)]
-pub(super) struct Block {
+pub(super) struct VertexBlock {
     /// Entries that no vertex is left for repeat the first.
     pub(super) vertices: [u32; WIDTH],
     pub(super) valences: [u32; WIDTH],
@@ -79,7 +79,7 @@ pub(super) struct Patch {
     pub(super) corners: [u32; 3],
     /// The displacements of each corner's jet: towards the next corner and inside, and towards the
     /// other corner.
-    pub(super) stars: [[Place; 2]; 3],
+    pub(super) stars: [[LanePlace; 2]; 3],
     /// The edges in the list of those between two of these triangles, and whether they run the other
     /// way.
     pub(super) edges: [(u32, bool); 3],
@@ -95,7 +95,7 @@ pub(super) struct InteriorEdge {
 /// The plan of all evaluations on a mesh.
 #[derive(Clone, Debug)]
 pub(super) struct Plan {
-    pub(super) blocks: Vec<Block>,
+    pub(super) blocks: Vec<VertexBlock>,
     /// Rows of neighbours of each block, the one-ring first; padded with the vertex itself.
     pub(super) neighbours: Vec<[u32; WIDTH]>,
     pub(super) neighbour_offsets: Vec<usize>,
@@ -116,10 +116,10 @@ pub(super) struct Plan {
     pub(super) interior_edges: Vec<InteriorEdge>,
     /// For each vertex, the places among neighbours at which it is listed.
     pub(super) listed_offsets: Vec<usize>,
-    pub(super) listed: Vec<Place>,
+    pub(super) listed: Vec<LanePlace>,
     /// For each vertex, the places among neighbours of one-rings at which it is listed.
     pub(super) ringed_offsets: Vec<usize>,
-    pub(super) ringed: Vec<Place>,
+    pub(super) ringed: Vec<LanePlace>,
 }
 
 /// Degrees of fits, highest first, the number of neighbours that each needs, twice the number of coefficients,
@@ -242,10 +242,10 @@ impl Plan {
         plan.set_patches(mesh, &numbers);
         plan.set_hems(mesh, &numbers);
         let rows = plan.neighbour_offsets.clone();
-        let whole = |block: &Block, lane: usize| block.counts[lane] as usize;
+        let whole = |block: &VertexBlock, lane: usize| block.counts[lane] as usize;
         (plan.listed_offsets, plan.listed) = plan.lists(&rows, whole);
         let rows = plan.ring_offsets.clone();
-        let ring = |block: &Block, lane: usize| block.valences[lane] as usize;
+        let ring = |block: &VertexBlock, lane: usize| block.valences[lane] as usize;
         (plan.ringed_offsets, plan.ringed) = plan.lists(&rows, ring);
         plan
     }
@@ -299,7 +299,7 @@ impl Plan {
         self.star_offsets
             .push(next(&self.star_offsets, ring * STAR));
         self.around.resize(self.around.len() + ring, [NONE; WIDTH]);
-        self.blocks.push(Block {
+        self.blocks.push(VertexBlock {
             vertices,
             valences: valences.map(|valence| valence as u32),
             counts: near.map(|near| near.len() as u32),
@@ -314,12 +314,12 @@ impl Plan {
     }
 
     /// Where a vertex is listed among neighbours.
-    pub(super) fn listed_at(&self, vertex: usize) -> &[Place] {
+    pub(super) fn listed_at(&self, vertex: usize) -> &[LanePlace] {
         &self.listed[self.listed_offsets[vertex]..self.listed_offsets[vertex + 1]]
     }
 
     /// Where a vertex is listed among neighbours of one-rings.
-    pub(super) fn ringed_at(&self, vertex: usize) -> &[Place] {
+    pub(super) fn ringed_at(&self, vertex: usize) -> &[LanePlace] {
         &self.ringed[self.ringed_offsets[vertex]..self.ringed_offsets[vertex + 1]]
     }
 
@@ -347,14 +347,14 @@ impl Plan {
     fn set_patches(&mut self, mesh: &TriangleMesh, numbers: &[u32]) {
         for number in 0..self.triangles.len() {
             let corners = mesh.triangles()[self.triangles[number] as usize];
-            let mut stars = [[Place::default(); 2]; 3];
+            let mut stars = [[LanePlace::default(); 2]; 3];
             for (corner, stars) in stars.iter_mut().enumerate() {
                 let ring = mesh.one_ring(corners[corner] as usize);
                 let next = corners[(corner + 1) % 3];
                 let at = ring.iter().position(|&v| v == next).unwrap_or(0);
                 let (block, lane) = self.member(corners[corner]);
                 let first = self.star_offsets[block];
-                let star = |at: usize| Place::new(first + at * STAR, lane);
+                let star = |at: usize| LanePlace::new(first + at * STAR, lane);
                 *stars = [star(at), star((at + 1) % ring.len())];
                 self.around[self.ring_offsets[block] + at][lane] = (3 * number + corner) as u32;
             }
@@ -398,10 +398,10 @@ impl Plan {
     fn lists(
         &self,
         rows: &[usize],
-        count: impl Fn(&Block, usize) -> usize,
-    ) -> (Vec<usize>, Vec<Place>) {
+        count: impl Fn(&VertexBlock, usize) -> usize,
+    ) -> (Vec<usize>, Vec<LanePlace>) {
         let mut starts = vec![0_usize; self.members.len() + 1];
-        let each = |visit: &mut dyn FnMut(u32, Place)| {
+        let each = |visit: &mut dyn FnMut(u32, LanePlace)| {
             for (number, block) in self.blocks.iter().enumerate() {
                 for lane in 0..WIDTH {
                     let vertex = block.vertices[lane] as usize;
@@ -410,7 +410,7 @@ impl Plan {
                     }
                     for row in 0..count(block, lane) {
                         let neighbour = self.neighbours[self.neighbour_offsets[number] + row][lane];
-                        let place = Place::new(rows[number] + row, lane);
+                        let place = LanePlace::new(rows[number] + row, lane);
                         visit(neighbour, place);
                     }
                 }
@@ -421,7 +421,7 @@ impl Plan {
             starts[vertex] += starts[vertex - 1];
         }
         let mut next = starts.clone();
-        let mut places = vec![Place::default(); starts[self.members.len()]];
+        let mut places = vec![LanePlace::default(); starts[self.members.len()]];
         each(&mut |vertex, place| {
             let at = &mut next[vertex as usize];
             places[*at] = place;

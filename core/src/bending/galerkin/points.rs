@@ -7,8 +7,8 @@
 //! With `G = (p_u, p_v, −1)`: `ds = −(dp + G·(d(y − x)/ρ + s dm))/(G·m)`.
 
 use super::basis::{AROUND, ON_EDGE, blend};
-use super::fit::{FieldPull, Fit, Scratch};
-use super::plan::{Block, COUNT, STAR};
+use super::fit::{FieldPull, Fit, FitScratch};
+use super::plan::{COUNT, STAR, VertexBlock};
 use super::polynomial::{Polynomial, add_monomials};
 use crate::lane::{Lane, Several, WIDTH};
 use crate::real::Real;
@@ -116,7 +116,7 @@ fn solve<T: Real>(
 
 /// Numbers of the neighbour that follows each one in the one-ring.
 #[inline(always)]
-fn next_in_ring(block: &Block, row: usize) -> [usize; WIDTH] {
+fn next_in_ring(block: &VertexBlock, row: usize) -> [usize; WIDTH] {
     block
         .valences
         .map(|valence| (row + 1) % valence.max(1) as usize)
@@ -137,10 +137,10 @@ fn gathered<T: Real>(
     vector
 }
 
-impl<T: Real> Scratch<T> {
+impl<T: Real> FitScratch<T> {
     /// Positions and normals of a neighbour in the one-ring and of the following one.
     #[inline(always)]
-    fn corners(&self, block: &Block, row: usize) -> [[Vec3<Several<T>>; 2]; 2] {
+    fn corners(&self, block: &VertexBlock, row: usize) -> [[Vec3<Several<T>>; 2]; 2] {
         let next = next_in_ring(block, row);
         let [x, y, z] = &self.places;
         let normals = &self.normals;
@@ -164,7 +164,7 @@ impl<T: Real> Scratch<T> {
     pub(super) fn displace(
         &self,
         fit: &mut Fit<T>,
-        block: &Block,
+        block: &VertexBlock,
         displacements: &mut [Several<T>],
     ) {
         let jet = fit.polynomial();
@@ -190,7 +190,7 @@ impl<T: Real> Scratch<T> {
     pub(super) fn pull_points(
         &mut self,
         fit: &Fit<T>,
-        block: &Block,
+        block: &VertexBlock,
         displacements: &[Several<T>],
         by_displacement: &[Several<T>],
         fields: &mut [Option<FieldPull<'_, T>>; 2],
@@ -278,7 +278,7 @@ impl<T: Real> Scratch<T> {
     pub(super) fn set_field(
         &self,
         fit: &Fit<T>,
-        block: &Block,
+        block: &VertexBlock,
         displacements: &[Several<T>],
         (coefficients, own): (&[Several<T>; COUNT], Several<T>),
         values: &mut [Several<T>],

@@ -1,9 +1,9 @@
 //! The loops over vertices: fits and displacements, and their derivatives.
 
 use super::basis::{FREE, ON_EDGE, inner_from};
-use super::fit::{FieldPull, Fit, Scratch};
+use super::fit::{FieldPull, Fit, FitScratch};
 use super::material::Field;
-use super::plan::{Block, COUNT, NONE, Plan, RETURNED, STAR, Vectors};
+use super::plan::{COUNT, NONE, Plan, RETURNED, STAR, Vectors, VertexBlock};
 use crate::element::{Ragged, SlotKernel, Slots};
 use crate::lane::{Lane, Several, WIDTH};
 use crate::real::Real;
@@ -14,7 +14,7 @@ use alloc::vec::Vec;
 /// Memory of a worker.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Work<T> {
-    pub(super) scratch: Scratch<T>,
+    pub(super) scratch: FitScratch<T>,
     /// Derivatives with respect to displacements.
     pub(super) given: Vec<Several<T>>,
     /// The same with respect to parameters that vary, and their values at neighbours.
@@ -69,7 +69,7 @@ impl Plan {
         given: &mut Vec<Several<T>>,
     ) {
         let rows = &self.around[self.ring_offsets[number]..self.ring_offsets[number + 1]];
-        let block: &Block = &self.blocks[number];
+        let block: &VertexBlock = &self.blocks[number];
         given.clear();
         given.resize(rows.len() * STAR, Several::zero());
         for (row, triangles) in rows.iter().enumerate() {

@@ -3,7 +3,7 @@
 //! Patches with the same table differ only in their nodes. Each number of the formula is therefore
 //! a vector with one entry per patch, while the weights of the table are common to all.
 
-use super::patches::{BLOCK, Block, Field, NodeBasis, Patches, WEIGHT};
+use super::patches::{BLOCK, Field, NodeBasis, PatchBlock, Patches, WEIGHT};
 use crate::bending::surface_point::Point;
 use crate::element::{Execution, SlotKernel};
 use crate::lane::{Lane, Several, WIDTH};
@@ -56,7 +56,7 @@ impl<T: Real> Default for PatchBatch<T> {
 /// Memory of an evaluation.
 #[derive(Clone, Debug, Default)]
 pub(super) struct PatchMemory<T> {
-    pub(super) blocks: Vec<Block<T>>,
+    pub(super) blocks: Vec<PatchBlock<T>>,
     /// Scratch memory of each thread.
     batches: Vec<PatchBatch<T>>,
 }
@@ -71,7 +71,7 @@ impl<T: Real> Patches<T> {
         memory: &mut PatchMemory<T>,
     ) {
         let PatchMemory { blocks, batches } = memory;
-        blocks.resize_with(self.len().div_ceil(BLOCK), Block::default);
+        blocks.resize_with(self.len().div_ceil(BLOCK), PatchBlock::default);
         let evaluation = Evaluation::<T, GRADIENT> {
             patches: self,
             material,
@@ -81,11 +81,11 @@ impl<T: Real> Patches<T> {
     }
 }
 
-impl<T: Real, const GRADIENT: bool> SlotKernel<PatchBatch<T>, &mut [Block<T>]>
+impl<T: Real, const GRADIENT: bool> SlotKernel<PatchBatch<T>, &mut [PatchBlock<T>]>
     for Evaluation<'_, T, GRADIENT>
 {
     #[inline(always)]
-    fn set(&self, batch: &mut PatchBatch<T>, start: usize, blocks: &mut [Block<T>]) {
+    fn set(&self, batch: &mut PatchBatch<T>, start: usize, blocks: &mut [PatchBlock<T>]) {
         for (index, block) in blocks.iter_mut().enumerate() {
             let first = (start + index) * BLOCK;
             let last = (first + BLOCK).min(self.patches.len());

@@ -103,7 +103,7 @@ struct Place {
 
 /// Contributions of the patches of a block to their nodes.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Block<T> {
+pub(super) struct PatchBlock<T> {
     pub(super) energy: T,
     /// Weighted area at each quadrature point of each patch.
     pub(super) areas: Vec<[T; 3]>,
@@ -111,7 +111,7 @@ pub(super) struct Block<T> {
     pub(super) contributions: Vec<[T; 4]>,
 }
 
-impl<T: Real> Block<T> {
+impl<T: Real> PatchBlock<T> {
     /// The area of its patches.
     pub(super) fn area(&self) -> T {
         self.areas.iter().flatten().copied().sum()
@@ -296,7 +296,7 @@ impl<T: Real> Patches<T> {
     }
 
     /// The triangle of each patch that has no area at one of its points, after an evaluation.
-    pub(super) fn without_area(&self, blocks: &[Block<T>]) -> impl Iterator<Item = u32> {
+    pub(super) fn without_area(&self, blocks: &[PatchBlock<T>]) -> impl Iterator<Item = u32> {
         let areas = blocks.iter().flat_map(|block| &block.areas);
         let empty = |area: &T| *area < T::min_positive_value();
         areas
@@ -311,7 +311,7 @@ impl<T: Real> Patches<T> {
         &self,
         execution: &impl Execution,
         field: &[[T; 4]],
-        blocks: &mut [Block<T>],
+        blocks: &mut [PatchBlock<T>],
     ) {
         execution.map(&mut blocks[..], |index, block| {
             block.contributions.clear();
@@ -335,7 +335,7 @@ impl<T: Real> Patches<T> {
     pub(super) fn gather(
         &self,
         execution: &impl Execution,
-        blocks: &[Block<T>],
+        blocks: &[PatchBlock<T>],
         gathered: &mut [[T; 4]],
     ) {
         execution.map(&mut gathered[..], |control, sum| {

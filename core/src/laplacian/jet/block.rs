@@ -21,7 +21,7 @@ const NEAREST: f64 = 0.4;
 
 /// Polynomials that are fitted.
 #[derive(Clone, Copy)]
-pub(super) struct Shape<T> {
+pub(super) struct Polynomials<T> {
     pub(super) degree: usize,
     /// See [`Jet::sharpness`](super::Jet::sharpness).
     pub(super) sharpness: T,
@@ -119,7 +119,7 @@ impl<T: Real> Block<T> {
     /// Fits polynomials: of degree 2 for the normal and the curvature, then after a first inversion for the
     /// best one, then of the final degree.
     #[inline(always)]
-    pub(super) fn fit(&mut self, shape: Shape<T>, lanes: Lanes<T>) -> Found<T> {
+    pub(super) fn fit(&mut self, shape: Polynomials<T>, lanes: Lanes<T>) -> Found<T> {
         let (over_radius, outermost) = self.weigh(shape, &lanes);
         let uneven = Several::literal(1.0).less(lanes.aspects);
         let first: Vec3<Several<T>> =
@@ -198,7 +198,7 @@ impl<T: Real> Block<T> {
     /// Sets distances and weights, and scales differences to units of the radius. Returns 1 over the radius,
     /// and the neighbour that lies farthest to the side.
     #[inline(always)]
-    fn weigh(&mut self, shape: Shape<T>, lanes: &Lanes<T>) -> (Several<T>, Vec3<Several<T>>) {
+    fn weigh(&mut self, shape: Polynomials<T>, lanes: &Lanes<T>) -> (Several<T>, Vec3<Several<T>>) {
         let Self {
             differences: [x, y, z],
             distances,
@@ -383,7 +383,7 @@ impl<T: Real> Block<T> {
 
     /// The rows of Δ_S, after [`Self::fit`].
     #[inline(always)]
-    pub(super) fn rows(&mut self, shape: Shape<T>, found: &Found<T>) -> &[Several<T>] {
+    pub(super) fn rows(&mut self, shape: Polynomials<T>, found: &Found<T>) -> &[Several<T>] {
         let Self {
             places: [x, y, _],
             weights,

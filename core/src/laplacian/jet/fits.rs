@@ -1,6 +1,6 @@
 //! The fits around all vertices: their neighbours, attempts and results.
 
-use super::block::{Block, Found, Lanes, Shape};
+use super::block::{Block, Found, Lanes, Polynomials};
 use super::{Attempt, Jet, least_count};
 use crate::element::{Ragged, SlotKernel, Slots};
 use crate::fit::{NormalEquations, Spacing, spacing};
@@ -223,7 +223,7 @@ impl<T: Real> Fits<'_, T> {
     ) {
         let neighbours = |&place: &usize| attempt_at(queue, place).map_or(0, |a| a.neighbours);
         let rows = members.iter().map(neighbours).max().unwrap_or(0);
-        let shape = Shape {
+        let shape = Polynomials {
             degree,
             sharpness: self.jet.sharpness,
             refined: NormalEquations::need_refinement(self.jet.least_spread(degree)),

@@ -58,12 +58,12 @@ pub(super) struct Trust<T> {
 }
 
 /// Two estimates of one quantity, and the changes of each by the replicas.
-pub(super) struct Pair<'a, T> {
+pub(super) struct FitPair<'a, T> {
     pub(super) values: [&'a [T]; 2],
     pub(super) changes: [&'a [Values<T>]; 2],
 }
 
-impl<T: Real> Pair<'_, T> {
+impl<T: Real> FitPair<'_, T> {
     pub(super) fn difference(&self, vertex: usize) -> T {
         self.values[0][vertex] - self.values[1][vertex]
     }
@@ -88,7 +88,7 @@ impl<T: Real> Excess<T> {
     fn new(
         deviations: &Deviations<T>,
         variances: &[T],
-        [first, second]: [&Pair<'_, T>; 2],
+        [first, second]: [&FitPair<'_, T>; 2],
         is_telling: impl Fn(usize) -> bool,
     ) -> Option<Self> {
         let (mut found, mut count) = (T::zero(), 0_u32);
@@ -126,7 +126,7 @@ impl<T: Real> Excess<T> {
 pub(super) fn related<T: Real>(
     deviations: &Deviations<T>,
     variances: &[T],
-    [degrees, scales]: [&Pair<'_, T>; 2],
+    [degrees, scales]: [&FitPair<'_, T>; 2],
     is_telling: impl Fn(usize) -> bool,
 ) -> Option<T> {
     let both = Excess::new(deviations, variances, [degrees, scales], &is_telling)?;
@@ -154,7 +154,7 @@ impl<T: Real> Distances<T> {
         execution: &impl Execution,
         ground: &Ground<'_, T>,
         deviations: &Deviations<T>,
-        pair: &Pair<'_, T>,
+        pair: &FitPair<'_, T>,
     ) -> Self {
         let square = |difference: T| difference * difference;
         let vertices = 0..deviations.variances.len();
@@ -188,7 +188,7 @@ impl<T: Real> Trust<T> {
     fn new(
         deviations: &Deviations<T>,
         distances: &Distances<T>,
-        pair: &Pair<'_, T>,
+        pair: &FitPair<'_, T>,
         is_telling: impl Fn(usize) -> bool,
     ) -> Option<Self> {
         let variances = &distances.variance;
@@ -222,6 +222,9 @@ fn variance<T: Real>(
     deviations: &Deviations<T>,
     sum: impl Fn(usize) -> T,
 ) -> Vec<T> {
+    if !deviations.is_seen() {
+        return vec![T::zero(); deviations.variances.len()];
+    }
     let over = T::constant(1.0 / REPLICAS as f64);
     let squares = (0..deviations.variances.len()).map(|vertex| over * sum(vertex));
     let mut means = ground.means(execution, &Vec::from_iter(squares), NOISE_POOL);
@@ -268,7 +271,7 @@ impl<T: Real> Bias<T> {
     pub(super) fn new(
         deviations: &Deviations<T>,
         distances: &Distances<T>,
-        pair: &Pair<'_, T>,
+        pair: &FitPair<'_, T>,
         factor: impl Fn(usize) -> Option<T>,
         other: &Self,
     ) -> Self {

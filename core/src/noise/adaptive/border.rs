@@ -16,8 +16,8 @@
 //! the shape; with noise, all have the same `s²`, and the choice is the fit that amplifies noise the least.
 
 use super::Ground;
-use super::kind::Kind;
-use super::level::Scratch;
+use super::kind::FitKind;
+use super::level::LevelScratch;
 use crate::fit::Graph;
 use crate::noise::fit::{Model, reach};
 use crate::real::Real;
@@ -41,14 +41,14 @@ struct Sided<T> {
     bend: Vec3<T>,
 }
 
-impl<T: Real> Scratch<T> {
+impl<T: Real> LevelScratch<T> {
     /// Repeats the last fit, with `count` neighbours, by the best of one-sided fits. Returns its model and its
     /// number of neighbours.
     pub(super) fn flatten(
         &mut self,
         ground: &Ground<'_, T>,
         vertex: usize,
-        kind: &Kind<T>,
+        kind: &FitKind<T>,
         count: usize,
     ) -> (Model<T>, usize) {
         let model = &kind.model;

@@ -2,9 +2,9 @@
 
 mod results;
 
-use super::bias::{Bias, Distances, Pair, positive, related, variances};
+use super::bias::{Bias, Distances, FitPair, positive, related, variances};
 use super::jets::Jets;
-use super::kind::Kind;
+use super::kind::FitKind;
 use super::level::Level;
 use super::{Deviations, Estimates, FORCE, Ground, QUANTITIES, Scale, Values};
 use crate::element::Execution;
@@ -46,7 +46,7 @@ type Choice<T> = (usize, T, T);
 
 /// One kind of fit.
 pub(super) struct Candidate<T> {
-    kind: Kind<T>,
+    kind: FitKind<T>,
     degree: Vec<u8>,
     neighbours: Vec<u32>,
     values: [Vec<T>; QUANTITIES],
@@ -97,7 +97,7 @@ impl<T: Real> Candidate<T> {
         Self {
             degree: jets.degrees.clone(),
             neighbours: jets.neighbours.clone(),
-            kind: Kind::of_jets(jets.model),
+            kind: FitKind::of_jets(jets.model),
             values: jets.values.clone(),
             variance: variances(execution, ground, deviations, changes),
             bias: from_fn(|_| bias.clone()),
@@ -161,7 +161,7 @@ impl<T: Real> Chosen<T> {
     ) {
         let [_, sixth] = &level.of_degrees;
         let jets = &mut self.all[0];
-        let pair = Pair {
+        let pair = FitPair {
             values: [&sixth.values[FORCE], force],
             changes: [&sixth.changes[FORCE], &self.changes[FORCE]],
         };
@@ -194,7 +194,7 @@ impl<T: Real> Chosen<T> {
         let is_first = self.sixth.is_empty();
         let last = self.sixth.last().copied().unwrap_or(0);
         let before = &self.all[last];
-        let scales: [Pair<'_, T>; QUANTITIES] = from_fn(|quantity| Pair {
+        let scales: [FitPair<'_, T>; QUANTITIES] = from_fn(|quantity| FitPair {
             values: [&sixth.values[quantity], &before.values[quantity]],
             changes: [&sixth.changes[quantity], &self.changes[quantity]],
         });
@@ -232,7 +232,7 @@ impl<T: Real> Chosen<T> {
         let last = self.fourth.last().map(|&last| &self.all[last]);
         let fourth = with_fourth.then(|| {
             let both: [_; QUANTITIES] = from_fn(|quantity| {
-                let degrees = &Pair {
+                let degrees = &FitPair {
                     values: [&fourth.values[quantity], &sixth.values[quantity]],
                     changes: [&fourth.changes[quantity], &sixth.changes[quantity]],
                 };

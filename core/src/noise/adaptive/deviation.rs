@@ -1,6 +1,6 @@
 //! Standard deviation of the positions around every vertex, and resolution of the shape by the mesh.
 
-use super::kind::Kind;
+use super::kind::FitKind;
 use super::level::Level;
 use super::{Ground, POOL, Verdict, hidden};
 use crate::element::Execution;
@@ -186,7 +186,7 @@ fn add_hidden<T: Real>(
     if !variances.contains(&T::zero()) {
         return None;
     }
-    let wider = Level::new(execution, ground, &Kind::wider());
+    let wider = Level::new(execution, ground, &FitKind::wider());
     let decay = |vertex: usize| {
         let [fourth, _, sixth, _] = decays[vertex].0;
         let square = sixth / fourth;

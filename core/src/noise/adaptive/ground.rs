@@ -125,6 +125,7 @@ impl<'a, T: Real> Ground<'a, T> {
     /// The vertex, and the `count` nearest others.
     #[inline]
     pub(super) fn pool(&self, vertex: usize, count: usize) -> impl Iterator<Item = usize> {
+        debug_assert!(count <= self.pool, "{count} of {} vertices", self.pool);
         let nearest = self.nearest[vertex * self.pool..][..count].iter();
         let others = nearest.take_while(|&&other| other != NONE);
         core::iter::once(vertex).chain(others.map(|&other| other as usize))

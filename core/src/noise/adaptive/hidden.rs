@@ -5,7 +5,7 @@
 //! of variance 1 is the variance of the noise that would explain it. Noise has the same variance by degrees
 //! 4 and 6; the bias has less by degree 6, because it is of higher order.
 
-use super::bias::Pair;
+use super::bias::FitPair;
 use super::level::Level;
 use super::{FORCE, Ground, POOL, REPLICAS};
 use crate::element::Execution;
@@ -45,7 +45,7 @@ pub(super) fn variances<T: Real>(
     };
     let [fourth, sixth] = [0, 1].map(|which| {
         let [near, far] = levels.map(|level| &level.of_degrees[which]);
-        let pair = Pair {
+        let pair = FitPair {
             values: [&far.values[FORCE], &near.values[FORCE]],
             changes: [&far.changes[FORCE], &near.changes[FORCE]],
         };
@@ -75,7 +75,7 @@ pub(super) fn variances<T: Real>(
 fn explained<T: Real>(
     execution: &impl Execution,
     ground: &Ground<'_, T>,
-    pair: &Pair<'_, T>,
+    pair: &FitPair<'_, T>,
     is_telling: impl Fn(usize) -> bool,
 ) -> Vec<T> {
     let square = |x: T| x * x;

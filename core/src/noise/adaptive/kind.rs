@@ -33,7 +33,7 @@ pub(super) const ONE_SIDED: [usize; 2] = [10, 7];
 
 /// The kind of the fits of a level.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Kind<T> {
+pub(super) struct FitKind<T> {
     pub(super) model: Model<T>,
     /// Number of neighbours at first, and at most if the fit needs more.
     pub(super) neighbours: [usize; 2],
@@ -46,7 +46,7 @@ pub(super) struct Kind<T> {
     pub(super) at_border: &'static [OneSided],
 }
 
-impl<T: Real> Kind<T> {
+impl<T: Real> FitKind<T> {
     /// A polynomial through the vertex, as [`Jet::j6`](crate::Jet::j6) has it.
     pub(super) fn interpolating() -> Self {
         Self {

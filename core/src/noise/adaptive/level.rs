@@ -1,6 +1,6 @@
 //! Fits with one number of neighbours around every vertex, and the effect of noise on them.
 
-use super::kind::{Kind, ONE_SIDED};
+use super::kind::{FitKind, ONE_SIDED};
 use super::{Ground, ONE_STAGE, QUANTITIES, REPLICAS, Values};
 use crate::element::{Execution, SlotKernel, Slots, Strided};
 use crate::fit::{Graph, force_density};
@@ -23,7 +23,7 @@ pub(super) struct Estimates<T> {
 
 /// Fits around every vertex.
 pub(super) struct Level<T> {
-    pub(super) kind: Kind<T>,
+    pub(super) kind: FitKind<T>,
     /// Results of degrees 4 and 6.
     pub(super) of_degrees: [Estimates<T>; 2],
     /// Number of neighbours, 0 where there is no fit.
@@ -51,7 +51,7 @@ struct AtVertex<T> {
 
 /// Memory of a worker.
 #[derive(Debug)]
-pub(super) struct Scratch<T> {
+pub(super) struct LevelScratch<T> {
     pub(super) near: Neighbourhood<T>,
     pub(super) fit: HeightFit<T>,
     /// The normal over whose plane heights were fitted.
@@ -62,7 +62,7 @@ pub(super) struct Scratch<T> {
     pub(super) bend: Option<Vec3<T>>,
 }
 
-impl<T: Real> Default for Scratch<T> {
+impl<T: Real> Default for LevelScratch<T> {
     fn default() -> Self {
         Self {
             near: Neighbourhood::default(),
@@ -75,11 +75,16 @@ impl<T: Real> Default for Scratch<T> {
     }
 }
 
-impl<T: Real> Scratch<T> {
+impl<T: Real> LevelScratch<T> {
     /// Fits the surface around a vertex. Returns the number of neighbours, 0 if they do not determine
     /// the polynomial.
     #[inline(always)]
-    pub(super) fn fit(&mut self, ground: &Ground<'_, T>, vertex: usize, kind: &Kind<T>) -> usize {
+    pub(super) fn fit(
+        &mut self,
+        ground: &Ground<'_, T>,
+        vertex: usize,
+        kind: &FitKind<T>,
+    ) -> usize {
         let surface = ground.surface;
         let [first, most] = kind.neighbours;
         let is_one_sided = kind.model.interpolates && ground.rings[vertex] == 0;
@@ -191,7 +196,7 @@ impl<T: Real> Scratch<T> {
         &mut self,
         ground: &Ground<'_, T>,
         vertex: usize,
-        kind: &Kind<T>,
+        kind: &FitKind<T>,
         count: usize,
         at: &mut AtVertex<T>,
     ) {
@@ -271,9 +276,9 @@ impl<T: Real> Scratch<T> {
 }
 
 /// The fits of a level.
-struct Fits<'a, T> {
+struct LevelFits<'a, T> {
     ground: &'a Ground<'a, T>,
-    kind: &'a Kind<T>,
+    kind: &'a FitKind<T>,
     /// Number of rings from a boundary beyond which there are no fits.
     rings: u8,
 }
@@ -281,9 +286,9 @@ struct Fits<'a, T> {
 /// Results at a vertex, its neighbours, and the rows of both degrees.
 type FitSlots<'a, T> = (&'a mut [AtVertex<T>], (Strided<'a, u32>, Strided<'a, f32>));
 
-impl<'a, T: Real> SlotKernel<Scratch<T>, FitSlots<'a, T>> for Fits<'_, T> {
+impl<'a, T: Real> SlotKernel<LevelScratch<T>, FitSlots<'a, T>> for LevelFits<'_, T> {
     #[inline(always)]
-    fn set(&self, scratch: &mut Scratch<T>, start: usize, slots: FitSlots<'a, T>) {
+    fn set(&self, scratch: &mut LevelScratch<T>, start: usize, slots: FitSlots<'a, T>) {
         let Self {
             ground,
             kind,
@@ -324,7 +329,11 @@ impl<'a, T: Real> SlotKernel<Scratch<T>, FitSlots<'a, T>> for Fits<'_, T> {
 
 impl<T: Real> Level<T> {
     /// Fits around every vertex of a surface.
-    pub(super) fn new(execution: &impl Execution, ground: &Ground<'_, T>, kind: &Kind<T>) -> Self {
+    pub(super) fn new(
+        execution: &impl Execution,
+        ground: &Ground<'_, T>,
+        kind: &FitKind<T>,
+    ) -> Self {
         Self::within(execution, ground, kind, u8::MAX)
     }
 
@@ -332,7 +341,7 @@ impl<T: Real> Level<T> {
     pub(super) fn within(
         execution: &impl Execution,
         ground: &Ground<'_, T>,
-        kind: &Kind<T>,
+        kind: &FitKind<T>,
         rings: u8,
     ) -> Self {
         let count = ground.normals.len();
@@ -356,7 +365,7 @@ impl<T: Real> Level<T> {
                 Strided::new(&mut laplacians, 2 * room),
             ),
         );
-        let fits = Fits {
+        let fits = LevelFits {
             ground,
             kind,
             rings,

@@ -1,7 +1,7 @@
 //! Normals, principal directions and gradients of curvature, from the fits that were chosen for H.
 
-use super::kind::Kind;
-use super::level::Scratch;
+use super::kind::FitKind;
+use super::level::LevelScratch;
 use super::{Cause, Ground, Measured, ONE_STAGE};
 use crate::element::Execution;
 use crate::fit::Graph;
@@ -21,7 +21,7 @@ const ROUNDING: f64 = 4.0;
 
 /// The fit that was chosen for H at a vertex.
 pub(super) struct Fitted<'a, T> {
-    pub(super) kind: Kind<T>,
+    pub(super) kind: FitKind<T>,
     pub(super) degree: usize,
     /// H and K of this fit at every vertex.
     pub(super) fields: [&'a [T]; 2],
@@ -60,7 +60,7 @@ pub(super) fn set<'f, T: Real>(
         gaussian: &gaussian,
     };
     let mut doubts = vec![None; measured.len()];
-    let mut scratch: Vec<(Scratch<T>, [Vec<T>; 4])> = Vec::new();
+    let mut scratch: Vec<(LevelScratch<T>, [Vec<T>; 4])> = Vec::new();
     let slots = (measured, &mut doubts[..]);
     execution.map_with(
         &mut scratch,
@@ -206,7 +206,7 @@ fn extremalities<T: Real>(at: &Measured<T>, gradient_of_gaussian: Vec3<T>) -> Op
     ])
 }
 
-impl<T: Real> Scratch<T> {
+impl<T: Real> LevelScratch<T> {
     /// The graph of the last fit, and its axes along x, y and the height.
     fn graph(&mut self, model: &Model<T>, degree: usize) -> (Graph<T>, [Vec3<T>; 3]) {
         let own = usize::from(!model.interpolates);

@@ -23,7 +23,7 @@ const RIM: f64 = 0.08;
 const LEAST_TILT: f64 = 0.25;
 
 /// Position of a line, and the visible vertex nearest to it.
-struct Place {
+struct StrokePlace {
     vertex: usize,
     /// Distance from the position to the vertex, in pixels.
     off: f64,
@@ -42,8 +42,8 @@ fn places(
     camera: &Camera,
     depths: &Depths,
     spacing: f64,
-) -> BTreeMap<[i64; 2], Place> {
-    let mut places = BTreeMap::<_, Place>::new();
+) -> BTreeMap<[i64; 2], StrokePlace> {
+    let mut places = BTreeMap::<_, StrokePlace>::new();
     let positions = painted.surface.positions().iter();
     let normals = vertex_normals(painted.surface);
     for (vertex, (&position, normal)) in positions.zip(normals).enumerate() {
@@ -69,7 +69,7 @@ fn places(
             let at = [middle[0], middle[1], surface];
             places.insert(
                 cell,
-                Place {
+                StrokePlace {
                     vertex,
                     off,
                     at,
@@ -107,7 +107,7 @@ pub(super) fn draw(
     let spacing = least.max(of_mesh);
     let places = places(painted, directions, camera, depths, spacing);
     // Follows a line from its position, pixel by pixel, while it stays on the surface.
-    let reach = |place: &Place, [right, down, nearer]: [f64; 3], length: f64| {
+    let reach = |place: &StrokePlace, [right, down, nearer]: [f64; 3], length: f64| {
         let [x, y, near] = place.at;
         let half = 0.5 * length * spacing;
         let steps = (1..=half.ceil() as usize).map(|step| half.min(step as f64));

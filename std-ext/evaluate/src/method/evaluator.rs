@@ -151,7 +151,10 @@ impl<T: Real> Evaluator<T> {
     where
         T: Evaluated,
     {
-        self.evaluate(surface);
+        // Fields that do not follow from forces are measured as they are collected.
+        if self.prepared.has_fields_of_force() {
+            self.evaluate(surface);
+        }
         T::last_results(self, surface)
     }
 
@@ -350,6 +353,7 @@ where
         Box::new(WithEnergy {
             prepared,
             describe: |_, _, _| (),
+            has_density: false,
         })
     }
 
@@ -363,7 +367,11 @@ where
         } else {
             |prepared, surface, fields| fields.set_mean(prepared.curvatures(surface))
         };
-        Box::new(WithEnergy { prepared, describe })
+        Box::new(WithEnergy {
+            prepared,
+            describe,
+            has_density: false,
+        })
     }
 
     fn energy_and_density<M>(self, method: M) -> Self::Output
@@ -377,7 +385,11 @@ where
             prepared.force_density(surface, &mut density);
             fields.set_surrounded_density(surface.mesh(), &density);
         };
-        Box::new(WithEnergy { prepared, describe })
+        Box::new(WithEnergy {
+            prepared,
+            describe,
+            has_density: true,
+        })
     }
 
     fn strong_form<L>(self, method: StrongForm<T, L>) -> Self::Output
@@ -438,6 +450,11 @@ pub(super) trait Evaluate<T: Real>: fmt::Debug + Send {
     /// Adds nodal forces to `force`, or sets it to force densities: see [`Evaluator::evaluate`].
     fn evaluate(&mut self, surface: Surface<'_, T>, force: &mut [[T; 3]]);
 
+    /// Whether results follow from the force of [`Self::evaluate`].
+    fn has_fields_of_force(&self) -> bool {
+        true
+    }
+
     /// Sets the results in `fields` from `force`, as set by [`Self::evaluate`].
     fn collect(&mut self, surface: Surface<'_, T>, force: &[[T; 3]], fields: &mut Fields<T>);
 
@@ -460,6 +477,8 @@ where
 {
     prepared: Prepared<T, M, X>,
     describe: DescribeFn<T, M, X>,
+    /// Whether `describe` sets the force density, too.
+    has_density: bool,
 }
 
 impl<T, M, X> Evaluate<T> for WithEnergy<T, M, X>
@@ -472,8 +491,14 @@ where
         self.prepared.add_force_and_energy(surface, force);
     }
 
+    fn has_fields_of_force(&self) -> bool {
+        !self.has_density
+    }
+
     fn collect(&mut self, surface: Surface<'_, T>, force: &[[T; 3]], fields: &mut Fields<T>) {
-        fields.set_density(force);
+        if !self.has_density {
+            fields.set_density(force);
+        }
         (self.describe)(&mut self.prepared, surface, fields);
     }
 
@@ -505,6 +530,10 @@ where
 {
     fn evaluate(&mut self, surface: Surface<'_, T>, _force: &mut [[T; 3]]) {
         self.prepared.curvatures(surface);
+    }
+
+    fn has_fields_of_force(&self) -> bool {
+        false
     }
 
     fn collect(&mut self, surface: Surface<'_, T>, _force: &[[T; 3]], fields: &mut Fields<T>) {

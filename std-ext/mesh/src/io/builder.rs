@@ -6,7 +6,7 @@ use super::{Element, MeshFile, ParseError, Place, Position, Problem};
 use crate::polygon::triangulate;
 
 /// Vertices and faces read so far, before they become a mesh.
-pub(super) struct Builder {
+pub(super) struct MeshBuilder {
     pub(super) positions: Vec<[f64; 3]>,
     triangles: Vec<[u32; 3]>,
     /// First triangle and number of triangles of each face with more than three corners. Until all positions are
@@ -31,7 +31,7 @@ struct Origin {
     step: usize,
 }
 
-impl Builder {
+impl MeshBuilder {
     pub(super) fn new(first: usize) -> Self {
         Self {
             positions: Vec::new(),

@@ -3,12 +3,12 @@
 //! Source: Wavefront Technologies, Advanced Visualizer manual, appendix B1: "Object Files".
 
 use super::text::{Text, parsed};
-use super::{Builder, MeshFile, ParseError, Problem};
+use super::{MeshBuilder, MeshFile, ParseError, Problem};
 use std::io::{self, Write};
 
 pub(super) fn parse(bytes: &[u8]) -> Result<MeshFile, ParseError> {
     let mut text = Text::joining_lines(bytes);
-    let mut builder = Builder::new(1);
+    let mut builder = MeshBuilder::new(1);
     let mut corners = Vec::new();
     while let Some(keyword) = text.statement() {
         match keyword {
@@ -55,7 +55,7 @@ pub(super) fn write(
 /// Vertex, from 0, of a corner `i`, `i/t`, `i//n` or `i/t/n`; i counts from 1, or backwards from −1 for the
 /// last vertex so far.
 #[inline]
-fn corner(word: &[u8], text: &Text<'_>, builder: &Builder) -> Result<u32, ParseError> {
+fn corner(word: &[u8], text: &Text<'_>, builder: &MeshBuilder) -> Result<u32, ParseError> {
     let end = word.iter().position(|&byte| byte == b'/');
     let vertices = builder.positions.len();
     let number: Option<i64> = parsed(Some(&word[..end.unwrap_or(word.len())]));

@@ -4,7 +4,7 @@
 //! programs write them.
 
 use super::text::{Text, parsed};
-use super::{Builder, CORNER, MeshFile, ParseError, Problem};
+use super::{CORNER, MeshBuilder, MeshFile, ParseError, Problem};
 use std::io::{self, Write};
 
 /// Whether a word is the header of an OFF text with three coordinates: `OFF` after any of `ST` (texture), `C`
@@ -31,7 +31,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<MeshFile, ParseError> {
     let faces = text.word();
     let faces = count("the number of faces", faces, &text)?;
 
-    let mut builder = Builder::new(0);
+    let mut builder = MeshBuilder::new(0);
     builder.reserve(vertices, faces, bytes.len());
     for found in 0..vertices {
         let element = builder.next_vertex();

@@ -11,14 +11,14 @@ mod body;
 use self::body::{Ascii, Binary, Body};
 use super::text::{Text, parsed};
 use super::write::write_blocks;
-use super::{Builder, Column, ColumnPlace, Columns, MeshFile, ParseError, Problem};
+use super::{Column, ColumnPlace, Columns, MeshBuilder, MeshFile, ParseError, Problem};
 use std::io::{self, Write};
 
 pub(super) fn parse(bytes: &[u8], wanted: Columns) -> Result<(MeshFile, Vec<Column>), ParseError> {
     let mut text = Text::new(bytes);
     let (encoding, groups) = header(&mut text)?;
     let mut columns = match wanted {
-        Columns::Read => Vec::from_iter(groups.iter().flat_map(Group::columns)),
+        Columns::Read => Vec::from_iter(groups.iter().flat_map(ElementGroup::columns)),
         Columns::Skipped => Vec::new(),
     };
     let builder = match encoding {
@@ -103,7 +103,7 @@ impl ByteOrder {
 }
 
 /// An element of the header: a number of records with the same properties.
-struct Group {
+struct ElementGroup {
     role: Role,
     count: usize,
     properties: Vec<Property>,
@@ -116,7 +116,7 @@ enum Role {
     Other,
 }
 
-impl Group {
+impl ElementGroup {
     /// Empty columns for its properties.
     fn columns(&self) -> impl Iterator<Item = Column> {
         let place = match self.role {
@@ -190,7 +190,7 @@ impl Scalar {
     }
 }
 
-fn header(text: &mut Text<'_>) -> Result<(Encoding, Vec<Group>), ParseError> {
+fn header(text: &mut Text<'_>) -> Result<(Encoding, Vec<ElementGroup>), ParseError> {
     match text.statement() {
         Some(b"ply") => {}
         word => return Err(text.expected("the header `ply`", word, None)),
@@ -208,7 +208,7 @@ fn header(text: &mut Text<'_>) -> Result<(Encoding, Vec<Group>), ParseError> {
             return Err(text.expected(expected, word, None));
         }
     };
-    let mut groups = Vec::<Group>::new();
+    let mut groups = Vec::<ElementGroup>::new();
     loop {
         match text.statement() {
             Some(b"comment" | b"obj_info") => {}
@@ -233,7 +233,7 @@ fn header(text: &mut Text<'_>) -> Result<(Encoding, Vec<Group>), ParseError> {
     }
 }
 
-fn group(text: &mut Text<'_>) -> Result<Group, ParseError> {
+fn group(text: &mut Text<'_>) -> Result<ElementGroup, ParseError> {
     let role = match text.word() {
         Some(b"vertex") => Role::Vertex,
         Some(b"face") => Role::Face,
@@ -242,7 +242,7 @@ fn group(text: &mut Text<'_>) -> Result<Group, ParseError> {
     };
     let word = text.word();
     let count = parsed(word).ok_or_else(|| text.expected("the number of elements", word, None))?;
-    Ok(Group {
+    Ok(ElementGroup {
         role,
         count,
         properties: Vec::new(),
@@ -293,7 +293,7 @@ fn integer(word: Option<&[u8]>, text: &Text<'_>) -> Result<Scalar, ParseError> {
 }
 
 /// The first declaration that a mesh needs and the header lacks.
-fn undeclared(groups: &[Group]) -> Option<&'static str> {
+fn undeclared(groups: &[ElementGroup]) -> Option<&'static str> {
     for (role, missing) in [
         (Role::Vertex, "element `vertex`"),
         (Role::Face, "element `face`"),
@@ -330,11 +330,11 @@ fn undeclared(groups: &[Group]) -> Option<&'static str> {
 /// not requested.
 fn elements(
     body: &mut impl Body,
-    groups: &[Group],
+    groups: &[ElementGroup],
     length: usize,
     columns: &mut [Column],
-) -> Result<Builder, ParseError> {
-    let mut builder = Builder::new(0);
+) -> Result<MeshBuilder, ParseError> {
+    let mut builder = MeshBuilder::new(0);
     let mut rest = columns;
     let mut corners = Vec::new();
     for group in groups {
@@ -380,10 +380,10 @@ fn elements(
 /// Reads one record of a group.
 fn element(
     body: &mut impl Body,
-    group: &Group,
+    group: &ElementGroup,
     corners: &mut Vec<u32>,
     columns: &mut [Column],
-    builder: &mut Builder,
+    builder: &mut MeshBuilder,
 ) -> Result<(), ParseError> {
     let mut next = columns.iter_mut();
     let vertex = builder.next_vertex();

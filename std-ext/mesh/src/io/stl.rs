@@ -10,7 +10,7 @@ use glam::DVec3;
 
 use super::text::Text;
 use super::weld::Weld;
-use super::{Builder, MeshFile, ParseError, Position, Problem, finite, without_mark};
+use super::{MeshBuilder, MeshFile, ParseError, Position, Problem, finite, without_mark};
 
 /// The header and the number of faces, and one face, in bytes.
 const HEADER: usize = 84;
@@ -35,7 +35,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<MeshFile, ParseError> {
 }
 
 fn binary(bytes: &[u8]) -> Result<MeshFile, ParseError> {
-    let mut builder = Builder::new(0);
+    let mut builder = MeshBuilder::new(0);
     builder.reserve(bytes.len() / (2 * FACE), bytes.len() / FACE, bytes.len());
     let mut weld = Weld::default();
     for (face, record) in bytes[HEADER..].chunks_exact(FACE).enumerate() {
@@ -84,7 +84,7 @@ pub(super) fn write(
 
 fn ascii(bytes: &[u8]) -> Result<MeshFile, ParseError> {
     let mut text = Text::new(bytes);
-    let mut builder = Builder::new(0);
+    let mut builder = MeshBuilder::new(0);
     let mut weld = Weld::default();
     keyword(&mut text, "solid", "`solid` (or a binary STL file)")?;
     loop {

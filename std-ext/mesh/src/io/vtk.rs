@@ -217,7 +217,7 @@ impl PointValues<'_> {
 }
 
 /// A number type with its VTK name and storage.
-pub(super) trait Stored: Copy {
+pub(super) trait StoredArray: Copy {
     const TYPE: &str;
     type Bytes: AsRef<[u8]>;
     fn bytes(self) -> Self::Bytes;
@@ -225,7 +225,7 @@ pub(super) trait Stored: Copy {
 
 macro_rules! stored {
     ($number:ty, $name:literal) => {
-        impl Stored for $number {
+        impl StoredArray for $number {
             const TYPE: &str = $name;
             type Bytes = [u8; size_of::<$number>()];
             fn bytes(self) -> Self::Bytes {
@@ -240,7 +240,7 @@ stored!(f32, "Float32");
 stored!(i64, "Int64");
 
 /// Writes a `DataArray`: the number of bytes as 64 bits, followed by the bytes, in one run of base64.
-pub(super) fn array<N: Stored>(
+pub(super) fn array<N: StoredArray>(
     out: &mut dyn Write,
     attributes: &str,
     values: impl Iterator<Item = N> + Clone,

@@ -46,12 +46,12 @@ const DEPENDENT: f64 = 1e-8;
 
 /// Orthonormal vectors, with their images under H.
 #[derive(Clone, Debug, Default)]
-struct Basis {
+struct TrialSpace {
     vectors: Vec<Vec<f64>>,
     images: Vec<Vec<f64>>,
 }
 
-impl Basis {
+impl TrialSpace {
     /// A vector without its components along the basis, normalised, and its image likewise; `None` if it depends
     /// on the basis.
     fn independent(
@@ -165,7 +165,7 @@ pub(super) fn smallest<O: Operator>(
     goal: Goal,
 ) -> Result<Vec<Pair>, O::Error> {
     let mass = operator.mass().to_vec();
-    let mut block = Basis::default();
+    let mut block = TrialSpace::default();
     for vector in start {
         block.extend(operator, vector)?;
     }
@@ -176,7 +176,7 @@ pub(super) fn smallest<O: Operator>(
     }
     let (mut values, factors) = block.ritz();
     block = block.combined(0, &factors);
-    let mut previous = Basis::default();
+    let mut previous = TrialSpace::default();
     for _ in 0..goal.iterations {
         let residuals: Vec<_> = (0..width)
             .map(|k| residual(&mass, values[k], &block.vectors[k], &block.images[k]))
@@ -207,7 +207,7 @@ pub(super) fn smallest<O: Operator>(
         block = basis.combined(0, &factors);
     }
     // Images are sums of many: once more from the vectors alone.
-    let mut exact = Basis::default();
+    let mut exact = TrialSpace::default();
     for vector in block.vectors {
         exact.extend(operator, vector)?;
     }

@@ -30,7 +30,7 @@ pub(super) fn redistribute(
     for (membrane, place) in membranes.iter().zip(places) {
         if membrane.motion == Motion::AlongNormals {
             let range = place.vertices();
-            let surface = Geometry {
+            let surface = CurrentSurface {
                 membrane,
                 mesh: &membrane.mesh,
                 normals: &coordinates.normals[range.clone()],
@@ -48,14 +48,14 @@ pub(super) fn redistribute(
     moved
 }
 
-struct Geometry<'a> {
+struct CurrentSurface<'a> {
     membrane: &'a Membrane,
     mesh: &'a TriangleMesh,
     normals: &'a [Vector],
     positions: &'a [Vector],
 }
 
-impl Geometry<'_> {
+impl CurrentSurface<'_> {
     /// The displacements, and their root mean square in edges.
     fn displacements(&self) -> (Vec<Vector>, f64) {
         let mut sums = vec![([0.0; 3], 0.0); self.positions.len()];

@@ -20,7 +20,7 @@ mod tests;
 
 pub use modes::{Mode, ModesError, modes};
 pub use outcome::{Failure, Outcome, SetupError};
-use point::Point;
+use point::RelaxationPoint;
 use search::Trial;
 
 /// The fraction of the gain of a step that a redistribution of vertices may cost.
@@ -47,7 +47,7 @@ pub struct Relaxation {
     state: State,
     preconditioners: Vec<Preconditioner>,
     frame: Frame,
-    here: Option<Point>,
+    here: Option<RelaxationPoint>,
 }
 
 /// The state of a relaxation: plain data. A stored and restored run continues bit for bit, if numbers are
@@ -314,7 +314,7 @@ impl Relaxation {
         }
     }
 
-    fn report(&self, point: &Point, step: f64, redistributed: bool) -> StepReport {
+    fn report(&self, point: &RelaxationPoint, step: f64, redistributed: bool) -> StepReport {
         StepReport {
             iteration: self.state.iteration,
             evaluations: self.state.evaluations,
@@ -342,7 +342,10 @@ impl Relaxation {
 
     /// The first point. Constraints are not restored where a run is resumed, so that it stays on its
     /// way.
-    fn arrive(&mut self, problem: &mut dyn Problem) -> Result<Point, (Failure, Evaluation)> {
+    fn arrive(
+        &mut self,
+        problem: &mut dyn Problem,
+    ) -> Result<RelaxationPoint, (Failure, Evaluation)> {
         let resumed = self.state.lowest_energy.is_some();
         let positions = self.state.positions.clone();
         let evaluations = self.state.evaluations;
@@ -360,8 +363,8 @@ impl Relaxation {
     fn turn(
         &mut self,
         problem: &mut dyn Problem,
-        here: Point,
-    ) -> Result<Point, (Failure, Evaluation)> {
+        here: RelaxationPoint,
+    ) -> Result<RelaxationPoint, (Failure, Evaluation)> {
         if !here.coordinates.turned(&self.places, &self.frame) {
             return Ok(here);
         }
@@ -376,7 +379,7 @@ impl Relaxation {
         self.frame = Frame::new(&self.membranes, &self.places, &self.state.anchor);
     }
 
-    fn ended(&mut self, problem: &mut dyn Problem, point: &Point) -> Option<Outcome> {
+    fn ended(&mut self, problem: &mut dyn Problem, point: &RelaxationPoint) -> Option<Outcome> {
         if point.residual <= self.settings.tolerance {
             return Some(Outcome::Converged);
         }
@@ -432,7 +435,12 @@ impl Relaxation {
 
     /// Redistributes the vertices of fluid membranes if this is due and cheap: with an energy it
     /// may cost a fraction of the gain of the step, otherwise nothing.
-    fn spread(&mut self, problem: &mut dyn Problem, before: &Point, point: Point) -> (Point, bool) {
+    fn spread(
+        &mut self,
+        problem: &mut dyn Problem,
+        before: &RelaxationPoint,
+        point: RelaxationPoint,
+    ) -> (RelaxationPoint, bool) {
         let best = self.state.progress.map(|progress| progress.iteration);
         let idle = best.map_or(0, |best| self.state.iteration - best);
         let rests = problem.is_conservative() && point.residual < REST_RESIDUAL && 2 * idle >= REST;
@@ -451,7 +459,7 @@ impl Relaxation {
         } else {
             None
         };
-        let cheap = |spread: &Point| {
+        let cheap = |spread: &RelaxationPoint| {
             let [e0, e1, e2] = [before, &point, spread].map(|point| point.evaluation.energy);
             let [r0, r1, r2] = [before, &point, spread].map(|point| point.residual);
             if problem.is_conservative() {

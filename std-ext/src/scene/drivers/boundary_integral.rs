@@ -4,7 +4,7 @@ use super::super::flow::Flow;
 use super::super::keys::{Form, Kind, NUMBER, Range, optional};
 use super::super::parameter::{Parameter, Parameters};
 use super::super::units::Dimension;
-use super::Described;
+use super::DescribedDriver;
 use super::shared::{
     DURATION, FLOW, REDISTRIBUTION, STEP, STRAIN, VISCOSITY, VOLUME_CORRECTION, flow_parameters,
     kept,
@@ -62,7 +62,7 @@ pub enum Integrator {
     },
 }
 
-impl Described for BoundaryIntegral {
+impl DescribedDriver for BoundaryIntegral {
     const KIND: Kind = Kind {
         name: "boundary-integral",
         keys: &[

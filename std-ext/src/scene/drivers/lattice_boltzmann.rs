@@ -4,7 +4,7 @@ use super::super::flow::Flow;
 use super::super::keys::{Form, Kind, NUMBER, optional, positive};
 use super::super::parameter::{Parameter, Parameters};
 use super::super::units::Dimension;
-use super::Described;
+use super::DescribedDriver;
 use super::shared::{
     DURATION, FLOW, REDISTRIBUTION, STEP, STRAIN, VISCOSITY, VOLUME_CORRECTION, flow_parameters,
     kept,
@@ -114,7 +114,7 @@ impl LatticeBoltzmann {
     }
 }
 
-impl Described for LatticeBoltzmann {
+impl DescribedDriver for LatticeBoltzmann {
     const KIND: Kind = Kind {
         name: "lattice-boltzmann",
         keys: &[

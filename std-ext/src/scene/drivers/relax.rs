@@ -2,7 +2,7 @@
 
 use super::super::keys::{Form, Kind, NUMBER, optional};
 use super::super::parameter::{Parameter, Parameters};
-use super::Described;
+use super::DescribedDriver;
 use super::shared::REDISTRIBUTION;
 use serde::Serialize;
 
@@ -35,7 +35,7 @@ pub enum Scheme {
     Overdamped,
 }
 
-impl Described for Relax {
+impl DescribedDriver for Relax {
     const KIND: Kind = Kind {
         name: "relax",
         keys: &[

@@ -5,7 +5,7 @@ use crate::element::Execution;
 use crate::noise::DEGREES;
 use crate::noise::adaptive::bias::positive;
 use crate::noise::adaptive::jets::Jets;
-use crate::noise::adaptive::kind::Kind;
+use crate::noise::adaptive::kind::FitKind;
 use crate::noise::adaptive::principal::{self, Fitted, OfJet};
 use crate::noise::adaptive::{Deviations, Estimate, Ground, LOCAL, Measured, ONE_STAGE, Verdict};
 use crate::noise::doubt::{Doubt, larger};
@@ -154,7 +154,7 @@ impl<T: Real> Chosen<T> {
                     directions: jets.curvature[vertex].directions(),
                 }),
                 kind: match candidate {
-                    0 => Kind::interpolating(),
+                    0 => FitKind::interpolating(),
                     _ => found.kind,
                 },
                 degree: match (candidate, is_jet) {

@@ -2,13 +2,18 @@
 
 use super::super::text::{Text, parsed};
 use super::super::{CORNER, Element, ParseError, Position, Problem, finite};
-use super::{Builder, ByteOrder, Group, Property, Role, Scalar};
+use super::{ByteOrder, ElementGroup, MeshBuilder, Property, Role, Scalar};
 
 /// The part of a file after its header, read value by value. `element` is the current one, for messages.
 pub(super) trait Body {
     /// Reads the first elements of a group of `count` at once, as long as they have the usual form, and
     /// returns their number. The remaining elements, and those with an error, are read value by value.
-    fn plain_elements(&mut self, group: &Group, count: usize, builder: &mut Builder) -> usize;
+    fn plain_elements(
+        &mut self,
+        group: &ElementGroup,
+        count: usize,
+        builder: &mut MeshBuilder,
+    ) -> usize;
     /// Starts a record.
     fn begin(&mut self, element: Option<Element>) -> Result<(), ParseError>;
     /// The current position.
@@ -50,7 +55,7 @@ impl<'a> Ascii<'a> {
 }
 
 impl Body for Ascii<'_> {
-    fn plain_elements(&mut self, _: &Group, _: usize, _: &mut Builder) -> usize {
+    fn plain_elements(&mut self, _: &ElementGroup, _: usize, _: &mut MeshBuilder) -> usize {
         0
     }
 
@@ -152,7 +157,13 @@ impl Coordinates {
     }
 
     /// Reads vertices up to the first that is not finite, and returns their number.
-    fn read(&self, bytes: &[u8], order: ByteOrder, count: usize, builder: &mut Builder) -> usize {
+    fn read(
+        &self,
+        bytes: &[u8],
+        order: ByteOrder,
+        count: usize,
+        builder: &mut MeshBuilder,
+    ) -> usize {
         let before = builder.positions.len();
         let records = bytes.chunks_exact(self.length).take(count);
         let number = |record: &[u8], place: usize| {
@@ -252,7 +263,12 @@ impl Binary<'_> {
 }
 
 impl Body for Binary<'_> {
-    fn plain_elements(&mut self, group: &Group, count: usize, builder: &mut Builder) -> usize {
+    fn plain_elements(
+        &mut self,
+        group: &ElementGroup,
+        count: usize,
+        builder: &mut MeshBuilder,
+    ) -> usize {
         let (rest, order) = (&self.bytes[self.at..], self.order);
         let [length, elements] = match (group.role, &group.properties[..]) {
             (Role::Vertex, properties) => match Coordinates::of(properties) {

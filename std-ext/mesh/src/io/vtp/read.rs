@@ -2,7 +2,7 @@
 
 use super::super::xml::{Tag, Tags, line_of};
 use super::super::{
-    Budget, Builder, Column, ColumnPlace, Columns, MeshFile, ParseError, Problem, finite,
+    Budget, Column, ColumnPlace, Columns, MeshBuilder, MeshFile, ParseError, Problem, finite,
 };
 use super::array::{Array, Storage};
 
@@ -31,7 +31,7 @@ pub(in crate::io) fn parse(
     columns: Columns,
 ) -> Result<(MeshFile, Vec<Column>), ParseError> {
     let Outline { storage, pieces } = outline(bytes, columns)?;
-    let mut builder = Builder::new(0);
+    let mut builder = MeshBuilder::new(0);
     for piece in &pieces {
         piece.add_to(&mut builder, &storage)?;
     }
@@ -233,7 +233,7 @@ impl Piece<'_> {
         Ok(repeated.flatten().collect())
     }
 
-    fn add_to(&self, builder: &mut Builder, storage: &Storage<'_>) -> Result<(), ParseError> {
+    fn add_to(&self, builder: &mut MeshBuilder, storage: &Storage<'_>) -> Result<(), ParseError> {
         let file = storage.file;
         let missing = |missing| Problem::Undeclared { missing }.at(line_of(file, self.at), None);
         if self.vertices == 0 {

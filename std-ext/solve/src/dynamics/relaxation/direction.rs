@@ -1,7 +1,7 @@
 //! The direction of a step: secants preconditioned by the stiffness of the membranes.
 
 use super::Relaxation;
-use super::point::{Point, SPHERE};
+use super::point::{RelaxationPoint, SPHERE};
 use crate::dynamics::coordinates::Coordinates;
 use crate::dynamics::place::Place;
 use crate::dynamics::vector::{self, Vector};
@@ -46,7 +46,7 @@ impl Relaxation {
     }
 
     /// The displacement that would cancel the force if the estimated stiffness were exact.
-    pub(super) fn direction(&mut self, problem: &dyn Problem, here: &Point) -> Vec<f64> {
+    pub(super) fn direction(&mut self, problem: &dyn Problem, here: &RelaxationPoint) -> Vec<f64> {
         let secants = std::mem::take(&mut self.state.secants);
         let mut direction = here.force.clone();
         secants.apply(&mut direction, |force| self.precondition(here, force));
@@ -61,7 +61,7 @@ impl Relaxation {
     pub(super) fn preconditioned(
         &mut self,
         problem: &dyn Problem,
-        here: &Point,
+        here: &RelaxationPoint,
         force: &[f64],
     ) -> Vec<f64> {
         let mut direction = force.to_vec();
@@ -72,7 +72,7 @@ impl Relaxation {
         direction
     }
 
-    fn precondition(&mut self, here: &Point, force: &mut [f64]) {
+    fn precondition(&mut self, here: &RelaxationPoint, force: &mut [f64]) {
         let Self {
             places,
             membranes,

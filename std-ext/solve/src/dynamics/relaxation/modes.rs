@@ -5,7 +5,7 @@
 //! solve `H u = μ M u`, with M the areas of the vertices, among the displacements that keep the constrained
 //! values. H is never stored: its products are central differences of gradients.
 
-use super::point::{Point, SPHERE};
+use super::point::{RelaxationPoint, SPHERE};
 use super::{Failure, Relaxation, SetupError};
 use crate::dynamics::lobpcg::{Goal, Operator, Pair, smallest};
 use crate::dynamics::multipliers::multipliers;
@@ -121,7 +121,7 @@ pub fn modes(
 struct Stiffness<'a> {
     relaxation: Relaxation,
     problem: &'a mut dyn Problem,
-    here: Point,
+    here: RelaxationPoint,
     /// λ of each constraint and group.
     multipliers: Vec<Vec<f64>>,
     /// The area of each number's vertex.
@@ -132,7 +132,7 @@ impl<'a> Stiffness<'a> {
     fn new(
         relaxation: Relaxation,
         problem: &'a mut dyn Problem,
-        here: Point,
+        here: RelaxationPoint,
     ) -> Result<Self, ModesError> {
         let areas = &here.coordinates.areas;
         let mut mass = Vec::new();

@@ -6,7 +6,7 @@
 //! Its accuracy is limited by the continuity of forces: methods that choose neighbours by distance
 //! have forces that jump where the choice changes.
 
-use super::point::Point;
+use super::point::RelaxationPoint;
 use super::search::Trial;
 use super::{Failure, Relaxation};
 use crate::dynamics::Problem;
@@ -47,7 +47,11 @@ impl Relaxation {
     }
 
     /// The next point by a Newton step; `None` if none has a lower residual.
-    pub(super) fn newton(&mut self, problem: &mut dyn Problem, here: &Point) -> Option<Trial> {
+    pub(super) fn newton(
+        &mut self,
+        problem: &mut dyn Problem,
+        here: &RelaxationPoint,
+    ) -> Option<Trial> {
         self.state.secants.clear();
         let right = packed(&here.force);
         let mut solution = vec![[0.0; 3]; right.len()];
@@ -94,7 +98,7 @@ impl Relaxation {
     fn softening(
         &mut self,
         problem: &mut dyn Problem,
-        here: &Point,
+        here: &RelaxationPoint,
         force: &[f64],
     ) -> Result<Vec<f64>, Failure> {
         let direction = self.preconditioned(problem, here, force);

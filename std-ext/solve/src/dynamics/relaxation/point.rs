@@ -15,7 +15,7 @@ pub(super) const SPHERE: f64 = 4.0 * std::f64::consts::PI;
 
 /// Forces, energy and geometry at some positions.
 #[derive(Clone, Debug)]
-pub(super) struct Point {
+pub(super) struct RelaxationPoint {
     pub(super) positions: Vec<Vector>,
     pub(super) evaluation: Evaluation,
     pub(super) coordinates: Coordinates,
@@ -31,7 +31,7 @@ impl Relaxation {
         problem: &mut dyn Problem,
         mut positions: Vec<Vector>,
         restore: bool,
-    ) -> Result<Point, (Failure, Evaluation)> {
+    ) -> Result<RelaxationPoint, (Failure, Evaluation)> {
         let none = Evaluation::new(f64::NAN);
         if let Some(failure) = self.not_finite(&positions) {
             return Err((failure, none));
@@ -95,7 +95,7 @@ impl Relaxation {
             coordinates.take_out(&self.places, problem.groups(), &mut force);
         }
         let residual = self.residual(&coordinates, &force);
-        Ok(Point {
+        Ok(RelaxationPoint {
             positions,
             evaluation,
             coordinates,

@@ -1,6 +1,6 @@
 //! Line search: the length of a step.
 
-use super::point::Point;
+use super::point::RelaxationPoint;
 use super::{Failure, Outcome, Relaxation};
 use crate::dynamics::Problem;
 use crate::dynamics::vector::{self, Vector};
@@ -33,7 +33,7 @@ const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// A candidate for the next point, and its step length.
 pub(super) struct Trial {
-    pub(super) point: Point,
+    pub(super) point: RelaxationPoint,
     pub(super) step: f64,
     /// Whether the force has hardly fallen although the step was doubled as often as allowed.
     pub(super) crawls: bool,
@@ -70,7 +70,7 @@ impl Relaxation {
     pub(super) fn advance(
         &mut self,
         problem: &mut dyn Problem,
-        here: &Point,
+        here: &RelaxationPoint,
     ) -> Result<Trial, Outcome> {
         let newton = self.newton_is_due(problem);
         if newton {
@@ -124,7 +124,7 @@ impl Relaxation {
     fn search(
         &mut self,
         problem: &mut dyn Problem,
-        here: &Point,
+        here: &RelaxationPoint,
         direction: &[f64],
         slope: f64,
     ) -> Result<Trial, (Failure, f64)> {
@@ -199,8 +199,8 @@ impl Relaxation {
     fn too_far(
         &self,
         problem: &dyn Problem,
-        here: &Point,
-        there: &Point,
+        here: &RelaxationPoint,
+        there: &RelaxationPoint,
         step: f64,
         slope: f64,
         left: f64,

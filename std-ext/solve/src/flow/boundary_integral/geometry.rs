@@ -15,7 +15,7 @@ const MARGIN: f64 = 1.0 / 64.0;
 /// Consecutive surfaces, and a search for their triangles near a point.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Geometry {
-    pub(super) surfaces: Vec<Part>,
+    pub(super) surfaces: Vec<SurfaceRange>,
     triangles: Vec<[u32; 3]>,
     edges: Vec<Edge>,
     /// The surface of each vertex.
@@ -32,7 +32,7 @@ pub(super) struct Geometry {
 
 /// The ranges of a surface's triangles and edges among those of all surfaces.
 #[derive(Clone, Debug)]
-pub(super) struct Part {
+pub(super) struct SurfaceRange {
     pub(super) triangles: Range<usize>,
     pub(super) edges: Range<usize>,
 }
@@ -119,7 +119,7 @@ impl Geometry {
                     triangles: (moved(one), other.map(moved)),
                 }
             }));
-            surfaces.push(Part {
+            surfaces.push(SurfaceRange {
                 triangles: first_triangle..triangles.len(),
                 edges: first_edge..edges.len(),
             });

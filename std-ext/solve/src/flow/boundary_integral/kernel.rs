@@ -363,7 +363,7 @@ impl<T: Vectors> Kernel<T, 3, 12, 9> for DistantStresslet {
 }
 
 /// A distant source of stresslets, seen from a target.
-struct Moments<V> {
+struct SourceMoments<V> {
     /// r/r.
     direction: [V; 3],
     over_squared: V,
@@ -377,7 +377,7 @@ struct Moments<V> {
 fn moments<T: Vectors, S: Simd>(
     target: [Vector<T, S>; 3],
     source: [Vector<T, S>; 12],
-) -> Moments<Vector<T, S>> {
+) -> SourceMoments<Vector<T, S>> {
     let [x, y, z, k, l, m, xx, yy, zz, yz, zx, xy] = source;
     let r = difference([x, y, z], target);
     let [over, over_squared] = reciprocals(dot(r, r));
@@ -388,7 +388,7 @@ fn moments<T: Vectors, S: Simd>(
         dot(direction, rows[1]),
         dot(direction, rows[2]),
     ];
-    Moments {
+    SourceMoments {
         direction,
         over_squared,
         through: dot(direction, [k, l, m]),

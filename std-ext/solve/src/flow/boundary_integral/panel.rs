@@ -88,10 +88,10 @@ impl<'a> Panel<'a> {
     pub(super) fn stokeslets_about_corner(&self, tractions: [DVec3; 3]) -> DVec3 {
         let [x, a, b] = self.corners();
         let [own, first, second] = tractions;
-        let Some(edge) = Edge::new(a - x, b - x) else {
+        let Some(edge) = PanelEdge::new(a - x, b - x) else {
             return DVec3::ZERO;
         };
-        let Edge {
+        let PanelEdge {
             length,
             along,
             foot,
@@ -185,7 +185,7 @@ impl<'a> Panel<'a> {
 }
 
 /// An edge relative to the origin.
-struct Edge {
+struct PanelEdge {
     length: f64,
     /// The unit vector along it.
     along: DVec3,
@@ -198,7 +198,7 @@ struct Edge {
     over_r: f64,
 }
 
-impl Edge {
+impl PanelEdge {
     /// `None` for an edge without length.
     fn new(v1: DVec3, v2: DVec3) -> Option<Self> {
         let edge = v2 - v1;
@@ -276,11 +276,11 @@ impl Flat {
     }
 
     /// Edges, and their outward normals.
-    fn edges(&self) -> impl Iterator<Item = (Edge, DVec3)> {
+    fn edges(&self) -> impl Iterator<Item = (PanelEdge, DVec3)> {
         let [a, b, c] = self.corners;
         let edges = [(a, b), (b, c), (c, a)].into_iter();
         edges
-            .filter_map(|(from, to)| Edge::new(from, to))
+            .filter_map(|(from, to)| PanelEdge::new(from, to))
             .map(|edge| {
                 let outward = edge.along.cross(self.normal);
                 (edge, outward)

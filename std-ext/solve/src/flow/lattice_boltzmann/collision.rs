@@ -240,7 +240,7 @@ fn collide_vectors<T: Precision, S: Simd>(
             }
         }
         let rest = Vector::new(simd, slots[0][number]);
-        let mut moments = Moments::of_rest(simd, rest);
+        let mut moments = VectorMoments::of_rest(simd, rest);
         for pair in 0..PAIRS {
             let there = Vector::new(simd, slots[2 * pair + 1][number]);
             let back = Vector::new(simd, slots[2 * pair + 2][number]);
@@ -340,12 +340,12 @@ impl<T: Precision, S: Simd> Rates<Vector<T, S>> {
 
 /// δρ = Σ f and j = Σ c f.
 #[derive(Clone, Copy)]
-struct Moments<V> {
+struct VectorMoments<V> {
     excess: V,
     momentum: [V; 3],
 }
 
-impl<T: Precision, S: Simd> Moments<Vector<T, S>> {
+impl<T: Precision, S: Simd> VectorMoments<Vector<T, S>> {
     #[inline(always)]
     fn of_rest(simd: S, rest: Vector<T, S>) -> Self {
         Self {
@@ -416,7 +416,7 @@ impl<'a, T: Precision, S: Simd> Collision<'a, Vector<T, S>> {
         constants: &'a Constants<Vector<T, S>>,
         rates: &'a Rates<Vector<T, S>>,
         [fx, fy, fz]: [Vector<T, S>; 3],
-        moments: Moments<Vector<T, S>>,
+        moments: VectorMoments<Vector<T, S>>,
     ) -> Self {
         let &Constants {
             one,
@@ -426,7 +426,7 @@ impl<'a, T: Precision, S: Simd> Collision<'a, Vector<T, S>> {
             inertia,
             ..
         } = constants;
-        let Moments {
+        let VectorMoments {
             excess,
             momentum: [jx, jy, jz],
         } = moments;

@@ -12,7 +12,7 @@ const NODES_LEFT_OUT: usize = 16;
 pub(super) struct Rows {
     /// For each row of the lattice, counted along y, then z, its parts: two, where the row enters
     /// and leaves a closed membrane.
-    parts: Vec<[Part; 2]>,
+    parts: Vec<[RowSpan; 2]>,
     /// All parts, in their order.
     pub(super) runs: Vec<Row>,
     /// Number of nodes in all parts.
@@ -20,14 +20,14 @@ pub(super) struct Rows {
 }
 
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Part {
+pub(super) struct RowSpan {
     pub(super) start: usize,
     end: usize,
     /// The start of its velocities among those of all parts.
     pub(super) offset: usize,
 }
 
-impl Part {
+impl RowSpan {
     /// Behind all others.
     const NONE: Self = Self {
         start: usize::MAX,
@@ -43,7 +43,7 @@ impl Part {
 impl Rows {
     /// The part of a row with this node of a stencil: all of the stencil's nodes in the row are in
     /// the same one.
-    pub(super) fn part(&self, x: usize, row: usize) -> Part {
+    pub(super) fn part(&self, x: usize, row: usize) -> RowSpan {
         let parts = self.parts[row];
         parts[usize::from(x >= parts[1].start)]
     }
@@ -53,7 +53,7 @@ impl Rows {
         let [length, rows, planes] = cells;
         let count = kernel.points();
         self.parts.clear();
-        self.parts.resize(rows * planes, [Part::NONE; 2]);
+        self.parts.resize(rows * planes, [RowSpan::NONE; 2]);
         for stencil in stencils {
             let [_, y, z] = stencil.nodes::<4>(cells);
             let first = stencil.first[0];
@@ -85,8 +85,8 @@ impl Rows {
 }
 
 /// Has nodes covered by parts in their order, with something between them.
-fn cover([first, second]: &mut [Part; 2], start: usize, end: usize) {
-    let own = Part {
+fn cover([first, second]: &mut [RowSpan; 2], start: usize, end: usize) {
+    let own = RowSpan {
         start,
         end,
         offset: 0,
@@ -107,7 +107,7 @@ fn cover([first, second]: &mut [Part; 2], start: usize, end: usize) {
         }
         if second.start != usize::MAX && first.end + NODES_LEFT_OUT >= second.start {
             first.extend(second.start, second.end);
-            *second = Part::NONE;
+            *second = RowSpan::NONE;
         }
     }
 }
