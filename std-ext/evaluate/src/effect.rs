@@ -4,6 +4,7 @@
 //! everything below is resolved at compile time. An effect that the scene does not name takes no
 //! memory and no time.
 
+use crate::act::Act;
 use crate::execute::Parallel;
 use crate::method::{BendingMethod, MethodOptions, Settings, Visitor, choose};
 use helfrich::{
@@ -31,7 +32,7 @@ pub enum Lumping {
 pub struct Effect {
     name: &'static str,
     conservative: bool,
-    prepared: Box<dyn Act>,
+    prepared: Box<dyn Act<f64>>,
     evaluations: u64,
     time: Duration,
 }
@@ -79,7 +80,7 @@ impl Effect {
         )
     }
 
-    fn new(name: &'static str, conservative: bool, prepared: Box<dyn Act>) -> Self {
+    fn new(name: &'static str, conservative: bool, prepared: Box<dyn Act<f64>>) -> Self {
         Self {
             name,
             conservative,
@@ -165,7 +166,7 @@ pub trait CompiledPotential: Conservative<f64> + Send {
 
 /// A [`CompiledPotential`] prepared for a mesh.
 #[derive(Debug)]
-pub struct PreparedPotential(Box<dyn Act>);
+pub struct PreparedPotential(Box<dyn Act<f64>>);
 
 macro_rules! potentials {
     ($($method:ty),* $(,)?) => {$(
@@ -268,7 +269,7 @@ impl Visitor<f64> for Acting<'_> {
     where
         L: LaplaceBeltrami<f64> + fmt::Debug + Send + Sync + 'static,
     {
-        let prepared: Box<dyn Act> = match self.lumping {
+        let prepared: Box<dyn Act<f64>> = match self.lumping {
             Lumping::Own => Box::new(InStrongForm(prepared(Projected(method), self.mesh))),
             Lumping::Thirds => {
                 // The force density leaves everything that the energy needs.
@@ -297,16 +298,7 @@ fn prepared<M: Method<f64>>(method: M, mesh: &TriangleMesh) -> Prepared<f64, M, 
     Prepared::with_execution(method, mesh, Parallel::new())
 }
 
-/// The interface of every prepared effect. Membranes are handed from thread to thread.
-trait Act: fmt::Debug + Send {
-    fn add_force(&mut self, surface: Surface<'_, f64>, force: &mut [[f64; 3]]) -> f64;
-
-    fn energy(&mut self, surface: Surface<'_, f64>) -> f64;
-
-    fn inspect(&self, surface: Surface<'_, f64>, report: &mut dyn FnMut(Finding));
-}
-
-impl<M> Act for Prepared<f64, M, Parallel>
+impl<M> Act<f64> for Prepared<f64, M, Parallel>
 where
     M: Conservative<f64> + fmt::Debug + Send,
 {
@@ -329,7 +321,7 @@ struct InStrongForm<L>(Prepared<f64, Projected<StrongForm<f64, L>>, Parallel>)
 where
     L: LaplaceBeltrami<f64> + Sync;
 
-impl<L> Act for InStrongForm<L>
+impl<L> Act<f64> for InStrongForm<L>
 where
     L: LaplaceBeltrami<f64> + fmt::Debug + Send + Sync,
 {
@@ -377,7 +369,7 @@ impl<M: Method<f64>> Lumped<M> {
     }
 }
 
-impl<M> Act for Lumped<M>
+impl<M> Act<f64> for Lumped<M>
 where
     M: Energy<f64> + fmt::Debug + Send,
     M::Memory: Send,

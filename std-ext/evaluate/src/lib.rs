@@ -12,6 +12,8 @@
 //! This is a separate crate with one codegen unit, because its loops are compiled twice, for
 //! baseline vectors and for AVX2, and need no recompilation when other code changes.
 
+mod act;
+
 pub mod checked;
 pub mod contact;
 pub mod effect;

@@ -2,6 +2,7 @@
 
 use super::fields::Fields;
 use super::{AnyMethod, BendingMethod, MethodOptions, OwnMethod, Settings, Visitor, choose};
+use crate::act::Act;
 use crate::effect::CannotBend;
 use crate::execute::Parallel;
 use crate::ordered::Ordered;
@@ -15,7 +16,7 @@ use std::fmt;
 /// A bending method prepared for one mesh.
 #[derive(Debug)]
 pub struct Evaluator<T: Real> {
-    prepared: Box<dyn Evaluate<T>>,
+    prepared: Box<dyn Act<T>>,
     ordered: Option<Ordered<T>>,
     force: Vec<[T; 3]>,
 }
@@ -74,7 +75,7 @@ impl<T: Real> Evaluator<T> {
         material: [MaterialParameter<T>; 2],
         mesh: &TriangleMesh,
         execution: X,
-        make: impl FnOnce(Settings<'_, T>, Preparing<'_, T, X>) -> Box<dyn Evaluate<T>>,
+        make: impl FnOnce(Settings<'_, T>, Preparing<'_, T, X>) -> Box<dyn Act<T>>,
     ) -> Self {
         let ordered = Ordered::of(mesh);
         let vertices = mesh.vertex_count();
@@ -113,11 +114,13 @@ impl<T: Real> Evaluator<T> {
     pub fn evaluate(&mut self, surface: Surface<'_, T>) {
         self.force.fill([T::zero(); 3]);
         match &mut self.ordered {
-            None => self.prepared.evaluate(surface, &mut self.force),
+            None => {
+                self.prepared.add_force(surface, &mut self.force);
+            }
             Some(ordered) => {
                 let (surface, force) = ordered.parts(surface);
                 force.fill([T::zero(); 3]);
-                self.prepared.evaluate(surface, force);
+                self.prepared.add_force(surface, force);
                 ordered.add_forces_to(&mut self.force);
             }
         }
@@ -329,7 +332,7 @@ impl Evaluator<f64> {
     }
 }
 
-/// Visitor that prepares a method for a mesh as an [`Evaluate`] object.
+/// Visitor that prepares a method for a mesh as an [`Act`] object.
 pub(super) struct Preparing<'a, T, X> {
     mesh: &'a TriangleMesh,
     execution: X,
@@ -343,7 +346,7 @@ where
     T: Real,
     X: Execution + fmt::Debug + Send + 'static,
 {
-    type Output = Box<dyn Evaluate<T>>;
+    type Output = Box<dyn Act<T>>;
 
     fn energy<M>(self, method: M) -> Self::Output
     where
@@ -414,7 +417,7 @@ where
 
 /// Collects all results of a method on the surface of its last evaluation, with this force, and its findings.
 fn collect<T: Real>(
-    prepared: &mut dyn Evaluate<T>,
+    prepared: &mut dyn Act<T>,
     surface: Surface<'_, T>,
     force: &[[T; 3]],
 ) -> (Fields<T>, Vec<Finding>) {
@@ -445,26 +448,6 @@ fn collect<T: Real>(
     (fields, findings)
 }
 
-/// The interface of every prepared method. Evaluators are handed from thread to thread.
-pub(super) trait Evaluate<T: Real>: fmt::Debug + Send {
-    /// Adds nodal forces to `force`, or sets it to force densities: see [`Evaluator::evaluate`].
-    fn evaluate(&mut self, surface: Surface<'_, T>, force: &mut [[T; 3]]);
-
-    /// Whether results follow from the force of [`Self::evaluate`].
-    fn has_fields_of_force(&self) -> bool {
-        true
-    }
-
-    /// Sets the results in `fields` from `force`, as set by [`Self::evaluate`].
-    fn collect(&mut self, surface: Surface<'_, T>, force: &[[T; 3]], fields: &mut Fields<T>);
-
-    /// See [`helfrich::Energy::energy`].
-    fn energy(&mut self, surface: Surface<'_, T>) -> T;
-
-    /// See [`helfrich::Method::inspect`].
-    fn inspect(&self, surface: Surface<'_, T>, report: &mut dyn FnMut(Finding));
-}
-
 /// Function that sets the fields besides force and area. The normals are initially those of the cotangent
 /// operator.
 type DescribeFn<T, M, X> = fn(&mut Prepared<T, M, X>, Surface<'_, T>, &mut Fields<T>);
@@ -481,14 +464,14 @@ where
     has_density: bool,
 }
 
-impl<T, M, X> Evaluate<T> for WithEnergy<T, M, X>
+impl<T, M, X> Act<T> for WithEnergy<T, M, X>
 where
     T: Real,
     M: Conservative<T> + fmt::Debug + Send,
     X: Execution + fmt::Debug + Send,
 {
-    fn evaluate(&mut self, surface: Surface<'_, T>, force: &mut [[T; 3]]) {
-        self.prepared.add_force_and_energy(surface, force);
+    fn add_force(&mut self, surface: Surface<'_, T>, force: &mut [[T; 3]]) -> T {
+        self.prepared.add_force_and_energy(surface, force)
     }
 
     fn has_fields_of_force(&self) -> bool {
@@ -522,14 +505,14 @@ where
     modulus: T,
 }
 
-impl<T, M, X> Evaluate<T> for WithoutForce<T, M, X>
+impl<T, M, X> Act<T> for WithoutForce<T, M, X>
 where
     T: Real,
     M: Curvatures<T> + fmt::Debug + Send,
     X: Execution + fmt::Debug + Send,
 {
-    fn evaluate(&mut self, surface: Surface<'_, T>, _force: &mut [[T; 3]]) {
-        self.prepared.curvatures(surface);
+    fn add_force(&mut self, surface: Surface<'_, T>, _force: &mut [[T; 3]]) -> T {
+        self.energy(surface)
     }
 
     fn has_fields_of_force(&self) -> bool {
@@ -558,14 +541,16 @@ where
     T: Real,
     L: LaplaceBeltrami<T> + Sync;
 
-impl<T, L, X> Evaluate<T> for InStrongForm<T, L, X>
+impl<T, L, X> Act<T> for InStrongForm<T, L, X>
 where
     T: Real,
     X: Execution + fmt::Debug + Send,
     L: LaplaceBeltrami<T> + fmt::Debug + Send + Sync,
 {
-    fn evaluate(&mut self, surface: Surface<'_, T>, force: &mut [[T; 3]]) {
+    fn add_force(&mut self, surface: Surface<'_, T>, force: &mut [[T; 3]]) -> T {
         self.0.force_density(surface, force);
+        self.0
+            .with(|method, execution, workspace| method.energy_of(execution, workspace.memory()))
     }
 
     fn collect(&mut self, surface: Surface<'_, T>, force: &[[T; 3]], fields: &mut Fields<T>) {

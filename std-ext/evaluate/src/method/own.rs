@@ -1,10 +1,11 @@
 //! Methods that are not in the list, together with listed ones.
 
-use super::evaluator::{Evaluate, Preparing};
+use super::evaluator::Preparing;
 use super::{
     BendingMethod, Compiled, Description, Evaluator, ListedCurvatures, ListedEnergy,
     ListedOperator, MethodOptions, Settings, Visitor,
 };
+use crate::act::Act;
 use crate::execute::Parallel;
 use helfrich::{Curvatures, TriangleMesh};
 use serde::{Serialize, Serializer};
@@ -155,7 +156,7 @@ impl Serialize for AnyMethod {
 }
 
 /// Function that makes a method evaluable in one number type.
-pub(super) type Make<T> = fn(Settings<'_, T>, Preparing<'_, T, Parallel>) -> Box<dyn Evaluate<T>>;
+pub(super) type Make<T> = fn(Settings<'_, T>, Preparing<'_, T, Parallel>) -> Box<dyn Act<T>>;
 
 #[derive(Clone, Copy, Debug)]
 enum Form {

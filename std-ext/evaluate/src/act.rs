@@ -1,0 +1,26 @@
+//! The interface of prepared methods and effects that are chosen at run time.
+
+use crate::method::Fields;
+use helfrich::{Finding, Real, Surface};
+use std::fmt;
+
+/// A prepared method or effect. They are handed from thread to thread.
+pub(crate) trait Act<T: Real>: fmt::Debug + Send {
+    /// Adds nodal forces to `force`, and returns the energy. An evaluator of a method in strong form sets force
+    /// densities instead, and one of a method without forces leaves `force` as it is.
+    fn add_force(&mut self, surface: Surface<'_, T>, force: &mut [[T; 3]]) -> T;
+
+    /// See [`helfrich::Energy::energy`].
+    fn energy(&mut self, surface: Surface<'_, T>) -> T;
+
+    /// See [`helfrich::Method::inspect`].
+    fn inspect(&self, surface: Surface<'_, T>, report: &mut dyn FnMut(Finding));
+
+    /// Whether the results of [`Self::collect`] follow from the force of [`Self::add_force`].
+    fn has_fields_of_force(&self) -> bool {
+        true
+    }
+
+    /// Sets the results in `fields` from `force`, as set by [`Self::add_force`].
+    fn collect(&mut self, _: Surface<'_, T>, _force: &[[T; 3]], _: &mut Fields<T>) {}
+}
