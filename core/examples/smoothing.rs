@@ -98,10 +98,7 @@ fn ball(levels: u32) -> Result<(TriangleMesh, Vec<Vec3>), Box<dyn Error>> {
         [0, 4, 5],
     ];
     let refined = Subdivision::new(&TriangleMesh::new(6, triangles)?, levels)?;
-    let points = refined.refine(&corners.map(|corner| corner.to_array()));
-    let on_sphere = |point: [f32; 3]| Vec3::from(point).normalize();
-    Ok((
-        refined.into_mesh(),
-        points.into_iter().map(on_sphere).collect(),
-    ))
+    let points = refined.refine_points(&corners).into_iter();
+    let on_sphere = points.map(Vec3::normalize).collect();
+    Ok((refined.into_mesh(), on_sphere))
 }

@@ -53,6 +53,7 @@ pub(crate) use stencils::RowSum;
 
 use crate::element::Serial;
 use crate::mesh::{MeshError, TriangleMesh, VertexKind};
+use crate::points::{Points, PointsMut};
 use crate::real::Real;
 use alloc::vec::Vec;
 
@@ -128,6 +129,24 @@ impl Subdivision {
     /// The refined mesh without the map.
     pub fn into_mesh(self) -> TriangleMesh {
         self.mesh
+    }
+
+    /// Refines positions, or vectors at vertices, of any type of points.
+    ///
+    /// # Panics
+    /// If there are fewer points than the coarse mesh has vertices.
+    pub fn refine_points<P: Clone>(&self, points: &[P]) -> Vec<P>
+    where
+        [P]: PointsMut,
+    {
+        let Some(first) = points.first() else {
+            assert_eq!(self.stencils.len(), 0, "no points for a mesh with vertices");
+            return Vec::new();
+        };
+        let mut refined = alloc::vec![first.clone(); self.stencils.len()];
+        let fine = refined.as_mut_slice().coordinates_mut();
+        self.stencils.apply(&Serial, points.coordinates(), fine);
+        refined
     }
 
     /// Refines a field of D numbers per vertex: positions, colours, texture coordinates.

@@ -9,6 +9,7 @@
 
 use crate::element::{Corners, ElementKernel, Execution, of_vertices};
 use crate::laplacian::Cotangent;
+use crate::points::{Points, PointsMut};
 use crate::real::{Real, finite_or_zero};
 use crate::sparse_matrix::SparseMatrix;
 use crate::surface::Surface;
@@ -99,10 +100,11 @@ impl Cotangent {
         execution: &impl Execution,
         surface: Surface<'_, T>,
         field: &[T],
-        gradient: &mut [[T; 3]],
+        gradient: &mut (impl PointsMut<Scalar = T> + ?Sized),
     ) {
         let triangles = surface.mesh().triangles();
-        execution.map(&mut gradient[..triangles.len()], |triangle, gradient| {
+        let gradient = &mut gradient.coordinates_mut()[..triangles.len()];
+        execution.map(gradient, |triangle, gradient| {
             let [a, b, c] = triangles[triangle].map(|vertex| field[vertex as usize]);
             let [_, of_b, of_c] = corner_gradients(&surface.triangle(triangle));
             *gradient = finite_or_zero(add(scale(b - a, of_b), scale(c - a, of_c)));
@@ -136,11 +138,11 @@ impl Cotangent {
         &self,
         execution: &impl Execution,
         surface: Surface<'_, T>,
-        vectors: &[[T; 3]],
+        vectors: &(impl Points<Scalar = T> + ?Sized),
         divergence: &mut [T],
     ) {
         let triangles = surface.mesh().triangles();
-        let vectors = &vectors[..triangles.len()];
+        let vectors = &vectors.coordinates()[..triangles.len()];
         let divergence: &mut [[T; 1]] = of_vertices(surface, divergence).as_chunks_mut().0;
         divergence.fill([T::zero()]);
         execution.scatter(&Divergence(vectors), surface, triangles, &[], divergence);

@@ -1,6 +1,9 @@
 //! One surface through arrays, glam and nalgebra: without copies, and with the same bits.
 
-use helfrich::{GompperKroll, Points, PointsMut, Prepared, Real, Surface};
+use helfrich::{
+    Cotangent, DualArea, GompperKroll, Points, PointsMut, Prepared, Real, Serial, Subdivision,
+    Surface,
+};
 use helfrich_tests::laws::{Candidate, Evaluate, Law, Subject, for_each};
 use helfrich_tests::meshes::{Base, Mesh, Rough, icosphere};
 use std::any::type_name;
@@ -115,4 +118,38 @@ fn views_are_no_copies() {
     assert_eq!(surface.positions().as_ptr(), points.as_ptr().cast());
     let fixed = [glam::Vec3::X, glam::Vec3::Y];
     assert_eq!(fixed.coordinates(), [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+}
+
+/// Positions that are refined, and gradients and their divergence on triangles, are points of any kind.
+#[test]
+fn fields_of_vectors_are_points() {
+    fn check<P: Clone>(point: impl Fn([f64; 3]) -> P)
+    where
+        [P]: PointsMut<Scalar = f64>,
+    {
+        let mesh = mesh();
+        let points = Vec::from_iter(mesh.positions.iter().map(|&x| point(x)));
+        let fine = Subdivision::new(&mesh.connectivity, 1).expect("a size that fits");
+        let [refined, arrays] = [
+            fine.refine_points(&points).coordinates().to_vec(),
+            fine.refine(&mesh.positions),
+        ];
+        assert_eq!(refined, arrays, "{}", type_name::<P>());
+
+        let (elements, surface) = (Cotangent::new(DualArea::Mixed), mesh.surface());
+        let field = Vec::from_iter(mesh.positions.iter().map(|[x, y, z]| x * y + z));
+        let triangles = mesh.connectivity.triangles().len();
+        let mut gradient = vec![point([0.0; 3]); triangles];
+        elements.gradient(&Serial, surface, &field, &mut gradient);
+        let mut arrays = vec![[0.0; 3]; triangles];
+        elements.gradient(&Serial, surface, &field, &mut arrays);
+        assert_eq!(gradient.coordinates(), arrays, "{}", type_name::<P>());
+        let [mut found, mut expected] = [(); 2].map(|()| vec![0.0; field.len()]);
+        elements.integrated_divergence(&Serial, surface, &gradient, &mut found);
+        elements.integrated_divergence(&Serial, surface, &arrays, &mut expected);
+        assert_eq!(found, expected, "{}", type_name::<P>());
+    }
+    check(glam::DVec3::from);
+    check(nalgebra::Point3::from);
+    check(nalgebra::Vector3::from);
 }
