@@ -31,7 +31,7 @@ _helfrich() {
             (study)
 _arguments "${_arguments_options[@]}" : \
 '--shape=[Exact shape\: sphere\[\:R\], ellipsoid\[\:a,b,c\], torus\[\:R,r\] or discocyte\[\:R\]]:SHAPE:_default' \
-'*--method=[Methods by name or letter, or \`all\`\: kantor-nelson (A), gompper-kroll (B), meyer (C), belkin (D), farutin (E), loop (S), juelicher, hamann, galerkin (G), j4, j6, jet (J), corrected, corrected-fit; jet chooses j4 or j6 for the mesh. By default A,B,C,J6]:METHOD:_default' \
+'*--method=[Methods by name or letter, or \`all\`\: kantor-nelson (A), gompper-kroll (B), meyer (C), belkin (D), farutin (E), loop (S), juelicher, hamann, galerkin (G), j4, j6, j8, jet (J), corrected, corrected-fit; jet is j4, j6 or j8, by the number of vertices. By default A,B,C,J6]:METHOD:_default' \
 '--areas=[Vertex areas of gompper-kroll and meyer\: mixed, voronoi or barycentric; by default mixed]:AREAS:_default' \
 '--bandwidth=[Bandwidth of the heat kernel of belkin\: a number of mean vertex areas; \`converging\`, the default, which is max(1/4, sqrt(N)/100) of them; or \`published\`, the mixed area of each vertex]:BANDWIDTH:_default' \
 '*--family=[Mesh families\: regular, smooth, relaxed, irregular, hard, or \`all\`]:FAMILY:_default' \
@@ -69,7 +69,7 @@ _arguments "${_arguments_options[@]}" : \
 ;;
 (curvature)
 _arguments "${_arguments_options[@]}" : \
-'--method=[Method by name or letter\: kantor-nelson (A), gompper-kroll (B), meyer (C), belkin (D), farutin (E), loop (S), juelicher, hamann, galerkin (G), j4, j6, jet (J), corrected, corrected-fit; jet chooses degree and neighbours from the noise at each vertex]:METHOD:_default' \
+'--method=[Method by name or letter\: kantor-nelson (A), gompper-kroll (B), meyer (C), belkin (D), farutin (E), loop (S), juelicher, hamann, galerkin (G), j4, j6, j8, jet (J), corrected, corrected-fit; jet chooses degree and neighbours from the noise at each vertex]:METHOD:_default' \
 '--modulus=[Bending modulus κ]:MODULUS:_default' \
 '--areas=[Vertex areas of gompper-kroll and meyer\: mixed, voronoi or barycentric; by default mixed]:AREAS:_default' \
 '--bandwidth=[Bandwidth of the heat kernel of belkin\: a number of mean vertex areas; \`converging\`, the default, which is max(1/4, sqrt(N)/100) of them; or \`published\`, the mixed area of each vertex]:BANDWIDTH:_default' \

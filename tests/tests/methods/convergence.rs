@@ -31,10 +31,11 @@ const STUDIES: [(&[BendingMethod], [usize; 3]); 3] = [
             Hamann,
             Corrected,
             CorrectedFit,
+            J8,
         ],
         [2562, 10_242, 40_962],
     ),
-    (&[J4, J6, J8], [642, 2562, 10_242]),
+    (&[J4, J6], [642, 2562, 10_242]),
     (&[Belkin, Galerkin], [642, 1281, 2562]),
 ];
 

@@ -336,8 +336,9 @@ fn directions_follow_the_surface() {
     }
 }
 
-/// On a torus the larger curvature is that around the tube. Jets have nearly exact directions, one-rings some degrees;
-/// measures of angles have none.
+/// On a torus the larger curvature is that around the tube. Jets have nearly exact directions, paraboloids over one-rings
+/// those of a first-order method, without a slope of the fit a quarter of them is off by 20° and more; measures of
+/// angles have none.
 #[test]
 fn methods_that_fit_have_directions() {
     fn of<M: Curvatures<f64>>(method: M, case: &Case) -> Vec<Curvature<f64>> {
@@ -350,7 +351,7 @@ fn methods_that_fit_have_directions() {
     for (name, found, [median, most]) in [
         ("j6", of(Jet::j6(), &case), [0.01, 0.1]),
         ("farutin", of(Paraboloid::default(), &case), [1.0, 10.0]),
-        ("hamann", of(Hamann::new(1.0), &case), [2.0, 15.0]),
+        ("hamann", of(Hamann::new(1.0), &case), [10.0, 60.0]),
     ] {
         let angles = found.iter().zip(&case.exact).map(|(at, point)| {
             let [_, second] = at.directions().expect("directions");
@@ -381,30 +382,37 @@ fn umbilics_have_no_direction() {
     }
 }
 
-/// On a torus, H depends only on the angle v around the tube: dH/ds = −sin v/(2 (R + r cos v)²) · R; its
-/// extrema are at v = 0 and π.
+/// On a torus, H and K depend only on the angle v around the tube: with w = R + r cos v, dH/ds = −R sin v/(2 r w²) and
+/// dK/ds = −R sin v/(r² w²).
 #[test]
 fn gradients_are_those_of_the_surface() {
     let (large, small) = (1.0, 0.4);
     let case = Case::of_shape(&torus(small), Family::Irregular, 2562);
-    let found = of(&AdaptiveJet::default(), &case.mesh, &case.positions());
-    let (mut errors, mut sizes) = (0.0, 0.0);
-    for (at, point) in found.iter().zip(&case.exact) {
+    let positions = case.positions();
+    let found = of(&AdaptiveJet::default(), &case.mesh, &positions);
+    let mut jets = Prepared::new(Jet::j6(), &case.mesh);
+    jets.curvatures(Surface::new(&case.mesh, &positions).expect("positions"));
+    let gradients = |vertex: usize| jets.memory().gradients(vertex);
+    let [mut errors, mut sizes] = [[0.0; 3]; 2];
+    for (vertex, (at, point)) in found.iter().zip(&case.exact).enumerate() {
         let [x, y, z] = point.position;
         let away = x.hypot(y);
         let (sine, cosine) = (z / small, (away - large) / small);
-        let slope = -large * sine / (2.0 * small * away * away);
+        let of_mean = -large * sine / (2.0 * small * away * away);
         // The unit vector along the tube.
         let along = [-sine * x / away, -sine * y / away, cosine];
-        let error = meshes::difference(at.gradient_of_mean, along.map(|c| slope * c));
-        errors += meshes::dot(error, error);
-        sizes += slope * slope;
+        let [of_h, of_k] = gradients(vertex);
+        let slopes = [of_mean, of_mean, 2.0 / small * of_mean];
+        for (k, gradient) in [at.gradient_of_mean, of_h, of_k].into_iter().enumerate() {
+            let error = meshes::difference(gradient, along.map(|c| slopes[k] * c));
+            errors[k] += meshes::dot(error, error);
+            sizes[k] += slopes[k] * slopes[k];
+        }
     }
-    assert!(
-        (errors / sizes).sqrt() < 0.02,
-        "{}",
-        (errors / sizes).sqrt()
-    );
+    for (error, size) in errors.into_iter().zip(sizes) {
+        let relative = (error / size).sqrt();
+        assert!(relative < 0.02, "{relative}");
+    }
 }
 
 /// A discocyte cut by planes: errors on ring 0 relative to the root mean square of the exact values, and the

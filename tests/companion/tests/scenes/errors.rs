@@ -357,7 +357,7 @@ fn contradictions_of_methods_and_viscosities_are_refused() {
         [9, 10],
         &[
             "`method` cannot be \"corrected\": the choices are kantor-nelson",
-            "j6, jet, A",
+            "j6, j8, jet, A",
         ],
     );
     refused_effect(

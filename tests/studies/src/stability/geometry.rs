@@ -147,6 +147,13 @@ fn noisy(method: BendingMethod, edges: f64) -> Bound {
     near(clean(method) + DEVIATIONS * deviation / 52.0 * edges, 1.0)
 }
 
+/// Around holes and at rims, jets of degree 8 have too few neighbours, and say so.
+fn plate(method: BendingMethod) -> Bound {
+    Bound::Finite {
+        flagged: if method == J8 { 0.4 } else { 0.1 },
+    }
+}
+
 fn is_single(scalar: Scalar) -> bool {
     scalar != Scalar::F64
 }
@@ -263,7 +270,8 @@ const CASES: &[Case] = &[
             // Edges of 0.13 R resolve neither the rim nor the dimples well, jets of degree 6 least of all.
             KantorNelson => near(2.0, 0.0),
             Galerkin | J4 => near(0.5, 0.0),
-            J6 | J8 => near(0.6, 0.0),
+            J6 => near(0.6, 0.0),
+            J8 => near(0.7, 0.0),
             _ => near(1.0, 0.0),
         },
     },
@@ -280,7 +288,8 @@ const CASES: &[Case] = &[
         bound: |method, _| match method {
             // Another energy: its f is not that of bending.
             KantorNelson => near(1.0, 0.0),
-            Hamann => near(0.2, 0.0),
+            // Fits of degree 8 have a sixth of the vertices of this mesh.
+            Hamann | J8 => near(0.2, 0.0),
             _ => near(0.1, 0.0),
         },
     },
@@ -288,13 +297,13 @@ const CASES: &[Case] = &[
         name: "genus 2",
         meaning: "A plate with two holes.",
         specimen: |_| specimen::plate(2),
-        bound: |_, _| Bound::Finite { flagged: 0.1 },
+        bound: |method, _| plate(method),
     },
     Case {
         name: "genus 3",
         meaning: "A plate with three holes.",
         specimen: |_| specimen::plate(3),
-        bound: |_, _| Bound::Finite { flagged: 0.1 },
+        bound: |method, _| plate(method),
     },
     Case {
         name: "noise of 1e-5 edges",
