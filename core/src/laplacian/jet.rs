@@ -74,7 +74,7 @@ impl<T: Real> Jet<T> {
         }
     }
 
-    /// Degree 8: for meshes of a few thousand vertices and more, at three to four times the cost of degree 6.
+    /// Degree 8: for meshes of a few thousand vertices and more, at two to three times the cost of degree 6.
     pub fn j8() -> Self {
         Self {
             degree: 8,

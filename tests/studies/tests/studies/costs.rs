@@ -68,14 +68,16 @@ fn the_guide_to_the_choice_has_the_cost_of_every_method() {
             .find(|cost| cost.method == method.name())
             .expect("its cost")
     };
-    // What is said of them: E costs less than J4; of forces in flow, only those of G take clearly longer than boundary
-    // integrals, and those of D about as long.
+    // What is said of them: E costs less than J4; forces in flow by D and J6 take about as long as boundary integrals,
+    // those of G and J8 longer, and those of others less.
     assert!(of(BendingMethod::Farutin).relative < of(BendingMethod::J4).relative);
     for method in BendingMethod::ALL {
         let share = of(method).flow.expect("a force");
         match method {
-            BendingMethod::Galerkin => assert!(share > 2.0, "{share}"),
-            BendingMethod::Belkin => assert!((0.5..2.0).contains(&share), "{share}"),
+            BendingMethod::Galerkin | BendingMethod::J8 => assert!(share > 1.5, "{share}"),
+            BendingMethod::Belkin | BendingMethod::J6 => {
+                assert!((0.5..2.0).contains(&share), "{share}");
+            }
             _ => assert!(share < 1.0, "{method}: {share}"),
         }
     }
