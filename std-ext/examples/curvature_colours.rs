@@ -18,14 +18,13 @@ use std::path::Path;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let MeshFile { positions, mesh } = match arguments.first() {
+    let MeshFile {
+        positions, mesh, ..
+    } = match arguments.first() {
         Some(file) => read(Path::new(file))?,
         None => {
             let cell = generate(&"discocyte".parse()?, Family::Smooth, 2562, 1)?;
-            MeshFile {
-                positions: cell.positions,
-                mesh: cell.mesh,
-            }
+            MeshFile::new(cell.positions, cell.mesh)
         }
     };
     let surface = Surface::new(&mesh, &positions)?;

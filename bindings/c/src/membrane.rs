@@ -57,10 +57,7 @@ impl Membrane {
         let at_start = surface(mesh, reference)?;
         let invalid =
             |error: &dyn ToString| Failure::new(Status::InvalidEffects, error.to_string());
-        let file = MeshFile {
-            positions: reference.to_vec(),
-            mesh: TriangleMesh::clone(mesh),
-        };
+        let file = MeshFile::new(reference.to_vec(), TriangleMesh::clone(mesh));
         let scene = SceneFile::of_effects(effects, file, columns);
         let scene = scene.map_err(|error| invalid(&error))?;
         let built = with_threads(threads, || build(&scene));

@@ -20,7 +20,18 @@ use std::path::PathBuf;
 #[pyfunction]
 pub(crate) fn read(py: Python<'_>, path: PathBuf) -> PyResult<Arrays<'_>> {
     let file = on_threads(py, None, || io::read(&path))?;
-    let MeshFile { positions, mesh } = file.map_err(|error| unreadable(&error))?;
+    let MeshFile {
+        positions,
+        mesh,
+        left_out,
+    } = file.map_err(|error| unreadable(&error))?;
+    if left_out > 0 {
+        let text = format!(
+            "left out: {left_out} vertices of no face with a coordinate that is not finite"
+        );
+        let warn = py.import("helfrich._errors")?.getattr("warn")?;
+        warn.call1((text,))?;
+    }
     arrays(py, positions, &mesh)
 }
 
@@ -119,10 +130,7 @@ pub(crate) fn inspect<'py>(
     let found = on_threads(py, None, || {
         let mesh = TriangleMesh::new(positions.len(), triangles)?;
         let surface = Surface::new(&mesh, &positions[..])?;
-        let file = MeshFile {
-            positions: positions.to_vec(),
-            mesh: mesh.clone(),
-        };
+        let file = MeshFile::new(positions.to_vec(), mesh.clone());
         Ok::<_, Fault>((
             MeshInfo::new(surface),
             noise_seen(surface),
@@ -243,6 +251,8 @@ pub(crate) fn subdivide<'py>(
         let positions = positions.to_vec();
         refinement::subdivide(MeshFile { positions, mesh }, levels, target).map_err(Fault::new)
     })?;
-    let MeshFile { positions, mesh } = fine?;
+    let MeshFile {
+        positions, mesh, ..
+    } = fine?;
     arrays(py, positions, &mesh)
 }

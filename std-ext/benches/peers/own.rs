@@ -132,6 +132,7 @@ fn subdivide(path: &Path, levels: u32) -> Result<(), Box<dyn Error>> {
     let io::MeshFile {
         mut mesh,
         mut positions,
+        ..
     } = io::read(path)?;
     let start = Instant::now();
     for _ in 0..levels {

@@ -16,7 +16,7 @@ use helfrich::{Bandwidth, DualArea, Finding, Surface};
 use helfrich_std::execute::{available_threads, with_threads};
 use helfrich_std::info::MeshInfo;
 use helfrich_std::io::{
-    MeshFile, WriteError, check_replaceable, is_same_file, read, read_welded, write,
+    MeshFile, WriteError, check_replaceable, is_same_file, read, read_welded_within, write,
 };
 use helfrich_std::method::{AnyMethod, BendingMethod, MethodOptions, OwnMethod};
 use helfrich_std::noise::noise_seen;
@@ -169,10 +169,17 @@ struct SweepArguments {
 struct MeshArguments {
     /// OBJ, OFF, STL, PLY or VTP file.
     mesh: PathBuf,
-    /// Merge vertices at exactly the same point. Files from renderers often have separate vertices for
-    /// each face.
-    #[arg(long)]
-    weld: bool,
+    /// Merge vertices at exactly the same point, or at most a distance apart. Files from renderers often have
+    /// separate vertices for each face.
+    #[arg(
+        long,
+        value_name = "DISTANCE",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "0",
+        value_parser = distance
+    )]
+    weld: Option<f64>,
 }
 
 #[derive(clap::Args)]
@@ -297,24 +304,70 @@ fn refuse_replacing(input: &Path, what: &str, output: &Path, new: &str) -> Resul
 
 /// Reads a mesh file, and welds it if requested. Recommends welding where it would help.
 fn load(MeshArguments { mesh: path, weld }: &MeshArguments) -> Result<MeshFile, Failure> {
-    if *weld {
-        return read_welded(path).map_err(Failure::input);
+    let file = match weld {
+        Some(distance) => read_welded_within(path, *distance),
+        None => read(path),
+    };
+    let file = file.map_err(Failure::input)?;
+    let shown = path.display();
+    if file.left_out > 0 {
+        say(format_args!(
+            "note: {shown}: left out: {} vertices of no face with a coordinate that is not finite",
+            file.left_out
+        ));
     }
-    let file = read(path).map_err(Failure::input)?;
-    let split = file.split_vertices();
+    let split = if weld.is_none() {
+        file.split_vertices()
+    } else {
+        0
+    };
     if split > 0 {
         say(format_args!(
-            "warning: {}: the mesh has split vertices: {split} vertices of its boundary are at the same \
-             points as others; --weld merges them",
-            path.display()
+            "warning: {shown}: the mesh has split vertices: {split} vertices of its boundary are at the same \
+             points as others; --weld merges them"
         ));
+    } else if !file.mesh.is_closed() {
+        recommend_welding(&file, path);
     }
     Ok(file)
 }
 
+/// Part of the shortest edge within which vertices of a boundary are taken for the same point.
+const GAP: f64 = 0.01;
+
+/// Recommends a distance to merge vertices across gaps.
+fn recommend_welding(file: &MeshFile, path: &Path) {
+    let edges = file.mesh.edges().iter();
+    let lengths = edges.map(|edge| {
+        let [from, to] = edge.map(|vertex| file.positions[vertex as usize]);
+        let [x, y, z] = [0, 1, 2].map(|axis| to[axis] - from[axis]);
+        x.hypot(y).hypot(z)
+    });
+    let distance = GAP * lengths.fold(f64::INFINITY, f64::min);
+    let near = file.near_vertices(distance);
+    if near > 0 {
+        say(format_args!(
+            "warning: {}: the mesh has gaps: {near} vertices of its boundary are nearly at the same points as \
+             others; --weld={distance:.1e} merges them",
+            path.display()
+        ));
+    }
+}
+
+/// A distance, not below 0.
+fn distance(text: &str) -> Result<f64, String> {
+    let distance: Result<f64, _> = text.parse();
+    match distance {
+        Ok(distance) if distance >= 0.0 && distance.is_finite() => Ok(distance),
+        _ => Err("a distance of 0 or more is needed".to_owned()),
+    }
+}
+
 fn info(arguments: &MeshArguments) -> Result<(), Failure> {
     let path = &arguments.mesh;
-    let MeshFile { positions, mesh } = load(arguments)?;
+    let MeshFile {
+        positions, mesh, ..
+    } = load(arguments)?;
     let surface = Surface::new(&mesh, &positions).map_err(|error| Failure::mesh(path, error))?;
     let info = MeshInfo::new(surface);
     let noise = noise_seen(surface);

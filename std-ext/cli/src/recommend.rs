@@ -85,7 +85,9 @@ pub(super) fn recommend_method(arguments: &RecommendArguments) -> Result<(), Fai
     if let Some(json) = json {
         refuse_replacing(&arguments.input.mesh, "the mesh", json, "the answer")?;
     }
-    let MeshFile { positions, mesh } = load(&arguments.input)?;
+    let MeshFile {
+        positions, mesh, ..
+    } = load(&arguments.input)?;
     check_outputs(json)?;
     let request = Request {
         quantity: arguments.quantity,

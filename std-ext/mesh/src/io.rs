@@ -58,6 +58,19 @@ pub struct MeshFile {
     pub positions: Vec<[f64; 3]>,
     /// The triangles over these vertices.
     pub mesh: TriangleMesh,
+    /// Number of vertices of the file that were left out: no face has them, and a coordinate is not finite.
+    pub left_out: usize,
+}
+
+impl MeshFile {
+    /// A mesh with all of its vertices.
+    pub fn new(positions: Vec<[f64; 3]>, mesh: TriangleMesh) -> Self {
+        Self {
+            positions,
+            mesh,
+            left_out: 0,
+        }
+    }
 }
 
 /// Numbers at the vertices or the triangles of a mesh file: an array of VTP's point data or cell data
@@ -443,10 +456,22 @@ fn read_and<R>(
 /// # Errors
 /// If the file cannot be read, or the merged mesh is not a manifold; see [`ReadError`].
 pub fn read_welded(path: &Path) -> Result<MeshFile, ReadError> {
-    read(path)?.welded().map_err(|error| ReadError::Weld {
+    read_welded_within(path, 0.0)
+}
+
+/// Reads a mesh file, and merges vertices that are at most this far apart: [`MeshFile::welded_within`].
+///
+/// # Errors
+/// As [`read_welded`].
+pub fn read_welded_within(path: &Path, distance: f64) -> Result<MeshFile, ReadError> {
+    let file = read(path)?;
+    let left_out = file.left_out;
+    let welded = file.welded_within(distance);
+    let welded = welded.map_err(|error| ReadError::Weld {
         path: path.to_owned(),
         error,
-    })
+    })?;
+    Ok(MeshFile { left_out, ..welded })
 }
 
 /// Parses the bytes of a mesh file.
@@ -486,18 +511,53 @@ fn parse_and(
         return Err(Problem::EmptyFile.anywhere());
     }
     let text = without_mark(bytes);
-    match format {
-        Format::Obj => Ok((obj::parse(text)?, Vec::new())),
-        Format::Off => Ok((off::parse(text)?, Vec::new())),
+    let parse = |unknown: Unknown| match format {
+        Format::Obj => Ok((obj::parse(text, unknown)?, Vec::new())),
+        Format::Off => Ok((off::parse(text, unknown)?, Vec::new())),
         Format::Stl => Ok((stl::parse(bytes)?, Vec::new())),
-        Format::Ply => ply::parse(text, columns),
-        Format::Vtp => vtp::parse(text, columns),
+        Format::Ply => ply::parse(text, columns, unknown),
+        Format::Vtp => vtp::parse(text, columns, unknown),
+    };
+    // Coordinates that are not finite matter only if a face has the vertex: the error of the first says where it is.
+    parse(Unknown::Refused).or_else(|refused| match refused.is_of_unknown_vertex() {
+        true => parse(Unknown::Kept).map_err(|_| refused),
+        false => Err(refused),
+    })
+}
+
+/// Whether coordinates that are not finite are errors where they are read, or kept until all faces are known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Unknown {
+    Refused,
+    Kept,
+}
+
+impl ParseError {
+    fn is_of_unknown_vertex(&self) -> bool {
+        let is_vertex = |place: &Place| matches!(place.element, Some(Element::Vertex(_)));
+        matches!(self.problem, Problem::NotFinite { .. }) && self.places.iter().all(is_vertex)
     }
 }
 
-/// Returns a coordinate if it is finite; otherwise an error with `found`, the content of the file.
-fn finite(value: f64, axis: usize, found: impl FnOnce() -> String) -> Result<f64, Problem> {
-    if value.is_finite() {
+/// Leaves out the numbers of vertices that are left out.
+fn leave_out(left_out: &[bool], columns: &mut [Column]) {
+    for column in columns {
+        let is_of_all = column.values.len() == left_out.len();
+        if column.place == ColumnPlace::Vertices && is_of_all {
+            let mut is_left_out = left_out.iter();
+            column.values.retain(|_| is_left_out.next() == Some(&false));
+        }
+    }
+}
+
+/// Returns a coordinate if it is finite, or may be unknown; otherwise an error with `found`, the content of the file.
+fn finite(
+    value: f64,
+    axis: usize,
+    unknown: Unknown,
+    found: impl FnOnce() -> String,
+) -> Result<f64, Problem> {
+    if value.is_finite() || unknown == Unknown::Kept {
         Ok(value)
     } else {
         Err(Problem::NotFinite {

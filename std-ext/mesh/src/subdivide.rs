@@ -68,6 +68,7 @@ pub fn subdivide(file: MeshFile, levels: u32, target: Target) -> Result<MeshFile
     let MeshFile {
         mut positions,
         mut mesh,
+        ..
     } = file;
     // One level at a time, because the composed map of all levels would need more memory than the
     // mesh.
@@ -81,5 +82,5 @@ pub fn subdivide(file: MeshFile, levels: u32, target: Target) -> Result<MeshFile
         limit_positions(&mesh).apply(&Serial, &positions, &mut limit);
         positions = limit;
     }
-    Ok(MeshFile { positions, mesh })
+    Ok(MeshFile::new(positions, mesh))
 }

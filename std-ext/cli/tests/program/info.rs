@@ -145,6 +145,37 @@ fn split_vertices_are_said_and_welded() {
     assert!(whole.stderr.is_empty());
 }
 
+/// Faces with corners of their own that differ in the last digits of a text are one surface with `--weld=DISTANCE`, which
+/// the message says.
+#[test]
+fn gaps_are_said_and_welded() {
+    let sphere = generate(&"sphere".parse().unwrap(), Family::Regular, 162, 1).unwrap();
+    let corners = sphere.mesh.triangles().iter().flatten();
+    let positions = corners.enumerate().map(|(place, &corner)| {
+        let off = 1e-6 * (place % 7) as f64;
+        sphere.positions[corner as usize].map(|x| x + off)
+    });
+    let positions = Vec::from_iter(positions);
+    let apart = (0..positions.len() as u32).step_by(3);
+    let apart = Vec::from_iter(apart.map(|first| [first, first + 1, first + 2]));
+    let file = Fixture::new("gaps.obj", obj(&positions, &apart));
+    let told = run(&["info", file.path()]).stderr;
+    let (_, rest) = told.split_once("others; ").expect("advice");
+    let (advice, _) = rest.split_once(' ').expect("an argument");
+    assert!(advice.starts_with("--weld="), "{told}");
+    let info = succeed(&["info", advice, file.path()]);
+    assert_eq!(value(&info, "vertices"), "162");
+    assert_eq!(value(&info, "components"), "1");
+    // A boundary alone is no gap.
+    let open = Fixture::new(
+        "open.obj",
+        obj(&sphere.positions, &sphere.mesh.triangles()[40..]),
+    );
+    assert_eq!(run(&["info", open.path()]).stderr, "");
+    let refused = run(&["info", "--weld=-1", file.path()]);
+    assert!(refused.stderr.contains("0 or more"), "{}", refused.stderr);
+}
+
 /// The noise that `info` prints is that which error bars contain.
 #[test]
 fn info_and_curvature_agree_about_noise() {

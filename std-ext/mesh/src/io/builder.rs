@@ -147,6 +147,36 @@ impl MeshBuilder {
         }
     }
 
+    /// Leaves out vertices whose coordinates are not finite: see [`Self::finish_known`].
+    fn leave_out_unknown(&mut self) -> Result<Vec<bool>, ParseError> {
+        let is_known = |point: &[f64; 3]| point.iter().all(|x| x.is_finite());
+        if self.positions.iter().all(is_known) {
+            return Ok(Vec::new());
+        }
+        let left_out = Vec::from_iter(self.positions.iter().map(|point| !is_known(point)));
+        let mut before = 0;
+        let numbers = left_out.iter().map(|&is_left_out| {
+            let number = before;
+            before += u32::from(!is_left_out);
+            number
+        });
+        let numbers = Vec::from_iter(numbers);
+        // Without faces, nothing shows that a vertex is not needed.
+        let mut corners = self.triangles.as_flattened().iter();
+        if self.triangles.is_empty() || corners.any(|&corner| left_out[corner as usize]) {
+            let problem = Problem::NotFinite {
+                axis: 'x',
+                found: "not finite".to_owned(),
+            };
+            return Err(problem.anywhere());
+        }
+        for corner in self.triangles.as_flattened_mut() {
+            *corner = numbers[*corner as usize];
+        }
+        self.positions.retain(is_known);
+        Ok(left_out)
+    }
+
     /// Replaces the fans of polygons that are not convex.
     fn divide_polygons(&mut self) -> Result<(), ParseError> {
         let (mut corners, mut places) = (Vec::new(), Vec::new());
@@ -174,7 +204,13 @@ impl MeshBuilder {
         Ok(())
     }
 
-    pub(super) fn finish(mut self) -> Result<MeshFile, ParseError> {
+    pub(super) fn finish(self) -> Result<MeshFile, ParseError> {
+        self.finish_known().map(|(file, _)| file)
+    }
+
+    /// The mesh without vertices that no face has and whose coordinates are not finite, and whether each vertex was
+    /// left out; nothing if none was.
+    pub(super) fn finish_known(mut self) -> Result<(MeshFile, Vec<bool>), ParseError> {
         let vertices = self.positions.len();
         for (at, triangle) in self.triangles.iter().enumerate() {
             if let Some(&vertex) = triangle.iter().find(|&&v| v as usize >= vertices) {
@@ -188,12 +224,17 @@ impl MeshBuilder {
                 });
             }
         }
+        let left_out = self.leave_out_unknown()?;
         self.divide_polygons()?;
+        let vertices = self.positions.len();
         match TriangleMesh::new(vertices, std::mem::take(&mut self.triangles)) {
-            Ok(mesh) => Ok(MeshFile {
-                positions: self.positions,
-                mesh,
-            }),
+            Ok(mesh) => {
+                let file = MeshFile {
+                    left_out: left_out.iter().filter(|&&is_left_out| is_left_out).count(),
+                    ..MeshFile::new(self.positions, mesh)
+                };
+                Ok((file, left_out))
+            }
             Err(error) => {
                 let mut triangles = concerned_triangles(&error);
                 triangles.sort_unstable();

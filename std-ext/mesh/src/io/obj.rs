@@ -3,11 +3,11 @@
 //! Source: Wavefront Technologies, Advanced Visualizer manual, appendix B1: "Object Files".
 
 use super::text::{Text, parsed};
-use super::{MeshBuilder, MeshFile, ParseError, Problem};
+use super::{MeshBuilder, MeshFile, ParseError, Problem, Unknown};
 use std::io::{self, Write};
 
-pub(super) fn parse(bytes: &[u8]) -> Result<MeshFile, ParseError> {
-    let mut text = Text::joining_lines(bytes);
+pub(super) fn parse(bytes: &[u8], unknown: Unknown) -> Result<MeshFile, ParseError> {
+    let mut text = Text::joining_lines(bytes).with_unknown(unknown);
     let mut builder = MeshBuilder::new(1);
     let mut corners = Vec::new();
     while let Some(keyword) = text.statement() {

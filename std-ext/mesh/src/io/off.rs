@@ -4,7 +4,7 @@
 //! programs write them.
 
 use super::text::{Text, parsed};
-use super::{CORNER, MeshBuilder, MeshFile, ParseError, Problem};
+use super::{CORNER, MeshBuilder, MeshFile, ParseError, Problem, Unknown};
 use std::io::{self, Write};
 
 /// Whether a word is the header of an OFF text with three coordinates: `OFF` after any of `ST` (texture), `C`
@@ -16,8 +16,8 @@ pub(super) fn is_header(word: &[u8]) -> bool {
     rest == b"OFF"
 }
 
-pub(super) fn parse(bytes: &[u8]) -> Result<MeshFile, ParseError> {
-    let mut text = Text::new(bytes);
+pub(super) fn parse(bytes: &[u8], unknown: Unknown) -> Result<MeshFile, ParseError> {
+    let mut text = Text::new(bytes).with_unknown(unknown);
     let header = text.statement();
     if !header.is_some_and(is_header) {
         return Err(text.expected("the header OFF, COFF, NOFF or STOFF", header, None));

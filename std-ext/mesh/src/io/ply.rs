@@ -11,11 +11,17 @@ mod body;
 use self::body::{Ascii, Binary, Body};
 use super::text::{Text, parsed};
 use super::write::write_blocks;
-use super::{Column, ColumnPlace, Columns, MeshBuilder, MeshFile, ParseError, Problem};
+use super::{
+    Column, ColumnPlace, Columns, MeshBuilder, MeshFile, ParseError, Problem, Unknown, leave_out,
+};
 use std::io::{self, Write};
 
-pub(super) fn parse(bytes: &[u8], wanted: Columns) -> Result<(MeshFile, Vec<Column>), ParseError> {
-    let mut text = Text::new(bytes);
+pub(super) fn parse(
+    bytes: &[u8],
+    wanted: Columns,
+    unknown: Unknown,
+) -> Result<(MeshFile, Vec<Column>), ParseError> {
+    let mut text = Text::new(bytes).with_unknown(unknown);
     let (encoding, groups) = header(&mut text)?;
     let mut columns = match wanted {
         Columns::Read => Vec::from_iter(groups.iter().flat_map(ElementGroup::columns)),
@@ -35,13 +41,15 @@ pub(super) fn parse(bytes: &[u8], wanted: Columns) -> Result<(MeshFile, Vec<Colu
                 at: bytes.len() - rest.len(),
                 order,
                 ended: false,
+                unknown,
             };
             let builder = elements(&mut body, &groups, rest.len(), &mut columns)?;
             body.end_of_file()?;
             builder
         }
     };
-    let file = builder.finish()?;
+    let (file, left_out) = builder.finish_known()?;
+    leave_out(&left_out, &mut columns);
     // A header may declare vertices or faces twice, each time with other properties.
     columns.retain(|column| {
         let places = match column.place {

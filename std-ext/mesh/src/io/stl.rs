@@ -10,7 +10,7 @@ use glam::DVec3;
 
 use super::text::Text;
 use super::weld::Weld;
-use super::{MeshBuilder, MeshFile, ParseError, Position, Problem, finite, without_mark};
+use super::{MeshBuilder, MeshFile, ParseError, Position, Problem, Unknown, finite, without_mark};
 
 /// The header and the number of faces, and one face, in bytes.
 const HEADER: usize = 84;
@@ -49,8 +49,10 @@ fn binary(bytes: &[u8]) -> Result<MeshFile, ParseError> {
         for corner in &mut corners {
             let mut point = [0.0; 3];
             for ((axis, coordinate), number) in point.iter_mut().enumerate().zip(&mut numbers) {
-                *coordinate = finite(f64::from(number), axis, || number.to_string())
-                    .map_err(|problem| problem.at(position, Some(builder.next_face())))?;
+                *coordinate = finite(f64::from(number), axis, Unknown::Refused, || {
+                    number.to_string()
+                })
+                .map_err(|problem| problem.at(position, Some(builder.next_face())))?;
             }
             *corner = weld.vertex(point, &mut builder.positions);
         }

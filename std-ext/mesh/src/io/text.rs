@@ -1,6 +1,6 @@
 //! Lines and words of a text, read directly from its bytes.
 
-use super::{Element, ParseError, Position, Problem, finite};
+use super::{Element, ParseError, Position, Problem, Unknown, finite};
 
 /// The expected coordinate, for error messages.
 const COORDINATES: [&str; 3] = ["coordinate x", "coordinate y", "coordinate z"];
@@ -16,6 +16,7 @@ pub(super) struct Text<'a> {
     ended: bool,
     /// Whether a `\` at the end of a line joins the next one to it.
     joins_lines: bool,
+    unknown: Unknown,
 }
 
 impl<'a> Text<'a> {
@@ -27,6 +28,7 @@ impl<'a> Text<'a> {
             started: false,
             ended: false,
             joins_lines: false,
+            unknown: Unknown::Refused,
         }
     }
 
@@ -35,6 +37,11 @@ impl<'a> Text<'a> {
             joins_lines: true,
             ..Self::new(bytes)
         }
+    }
+
+    /// The same with coordinates that may be unknown.
+    pub(super) fn with_unknown(self, unknown: Unknown) -> Self {
+        Self { unknown, ..self }
     }
 
     /// The line that was last read from.
@@ -149,7 +156,7 @@ impl<'a> Text<'a> {
     ) -> Result<f64, ParseError> {
         let value =
             parsed(word).ok_or_else(|| self.expected(COORDINATES[axis], word, Some(element)))?;
-        finite(value, axis, || found(word))
+        finite(value, axis, self.unknown, || found(word))
             .map_err(|problem| problem.at(self.position(), Some(element)))
     }
 

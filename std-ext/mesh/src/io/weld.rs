@@ -41,6 +41,32 @@ impl MeshFile {
         split.count()
     }
 
+    /// Number of boundary vertices within this distance of another boundary vertex. Text with few digits, for
+    /// example, leaves gaps between triangles.
+    pub fn near_vertices(&self, distance: f64) -> usize {
+        let mut near = Near {
+            distance,
+            cells: HashMap::new(),
+        };
+        let mut kept = Vec::new();
+        let at_boundary = |vertex: &usize| self.mesh.vertex_kind(*vertex) == VertexKind::Boundary;
+        let all = (0..self.positions.len()).filter(at_boundary);
+        let merged = all.filter(|&vertex| {
+            let before = kept.len();
+            near.vertex(self.positions[vertex], &mut kept);
+            kept.len() == before
+        });
+        merged.count()
+    }
+
+    /// The mesh with vertices merged that are at most this far apart: see [`weld`].
+    ///
+    /// # Errors
+    /// As [`Self::welded`].
+    pub fn welded_within(&self, distance: f64) -> Result<Self, MeshError> {
+        Ok(weld(&self.positions, self.mesh.triangles(), distance)?.file)
+    }
+
     /// The mesh with one vertex for all vertices at the same point, bit for bit (−0 counts as 0), numbered in
     /// the order of their first appearance. Triangles with two merged corners are left out.
     ///
@@ -48,7 +74,7 @@ impl MeshFile {
     /// If the resulting triangles are not a manifold: more than two at an edge, or surfaces that
     /// touch.
     pub fn welded(&self) -> Result<Self, MeshError> {
-        Ok(weld(&self.positions, self.mesh.triangles(), 0.0)?.file)
+        self.welded_within(0.0)
     }
 }
 
@@ -99,10 +125,7 @@ pub fn weld(
     let triangles = triangles.map(|triangle| triangle.map(|corner| vertices[corner as usize]));
     let triangles = triangles.filter(|[a, b, c]| a != b && b != c && c != a);
     let mesh = TriangleMesh::new(kept.len(), triangles.collect())?;
-    let file = MeshFile {
-        positions: kept,
-        mesh,
-    };
+    let file = MeshFile::new(kept, mesh);
     Ok(Welded { file, vertices })
 }
 

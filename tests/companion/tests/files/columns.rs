@@ -1,5 +1,6 @@
 //! Numbers at the vertices and faces of mesh files.
 
+use helfrich::TriangleMesh;
 use helfrich_std::io::{
     Column, ColumnPlace, Format, MeshFile, PointField, PointValues, parse, parse_with_columns,
     read_with_columns, write_vtp_with_cells,
@@ -186,4 +187,62 @@ fn columns_of_ply_files() {
 fn other_formats_have_no_columns() {
     let text = "v 0 0 0 255 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
     assert_eq!(columns(text, Format::Obj), []);
+}
+
+/// A vertex of no face may have any coordinates: it is left out with its numbers. That of a face may not.
+#[test]
+fn unknown_vertices_of_no_face_are_left_out() {
+    let ply = |face: &str| {
+        format!(
+            "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\n\
+             property float a\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n\
+             0 0 0 10\nnan 0 0 11\n1 0 0 12\n0 inf 0 13\n0 1 0 14\n3 {face}\n"
+        )
+    };
+    let (file, columns) = parse_with_columns(ply("0 2 4").as_bytes(), Format::Ply).unwrap();
+    assert_eq!(file.left_out, 2);
+    assert_eq!(file.positions, [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+    assert_eq!(file.mesh.triangles(), [[0, 1, 2]]);
+    assert_eq!(columns, [column("a", &[10.0, 12.0, 14.0])]);
+    let refused = parse(ply("0 2 3").as_bytes(), Format::Ply).unwrap_err();
+    let told = refused.to_string();
+    assert!(
+        told.contains("line 12 (vertex 1): coordinate x is `nan`"),
+        "{told}"
+    );
+
+    for (text, format) in [
+        (
+            "v 0 0 0\nv nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 3 4\n",
+            Format::Obj,
+        ),
+        (
+            "OFF\n4 1 0\n0 0 0\nnan 0 0\n1 0 0\n0 1 0\n3 0 2 3\n",
+            Format::Off,
+        ),
+    ] {
+        let file = parse(text.as_bytes(), format).unwrap();
+        assert_eq!((file.left_out, file.positions.len()), (1, 3), "{format:?}");
+        assert_eq!(file.mesh.triangles(), [[0, 1, 2]], "{format:?}");
+    }
+
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("unknown.vtp");
+    let mesh = icosphere(0);
+    let mut positions = mesh.positions.clone();
+    positions.insert(3, [f64::NAN; 3]);
+    let renumbered = mesh.connectivity.triangles().iter();
+    let renumbered = renumbered.map(|triangle| triangle.map(|v| v + u32::from(v >= 3)));
+    let wide = TriangleMesh::new(positions.len(), renumbered.collect()).unwrap();
+    let numbers = Vec::from_iter((0..positions.len()).map(|k| k as f64));
+    let field = PointField {
+        name: "a",
+        values: PointValues::Scalars(&numbers),
+    };
+    write_vtp_with_cells(&path, &wide, &positions, None, &[field], &[]).unwrap();
+    let (file, columns) = read_with_columns(&path).unwrap();
+    assert_eq!(file.left_out, 1);
+    assert_eq!(file.positions, mesh.positions);
+    assert_eq!(file.mesh.triangles(), mesh.connectivity.triangles());
+    assert!(!columns[0].values.contains(&3.0) && columns[0].values.len() == positions.len() - 1);
 }

@@ -15,10 +15,7 @@ fn split(mesh: &Mesh) -> MeshFile {
         .step_by(3)
         .map(|k| [k, k + 1, k + 2]);
     let apart = Mesh::new(positions, apart.collect());
-    MeshFile {
-        positions: apart.positions,
-        mesh: apart.connectivity,
-    }
+    MeshFile::new(apart.positions, apart.connectivity)
 }
 
 /// A sphere and a disc are welded into the same triangles over the same points; the disc keeps its boundary.
@@ -48,10 +45,7 @@ fn split_meshes_are_put_together() {
 #[test]
 fn whole_meshes_have_no_split_vertices() {
     let mesh = icosphere(1);
-    let file = MeshFile {
-        positions: mesh.positions.clone(),
-        mesh: mesh.connectivity.clone(),
-    };
+    let file = MeshFile::new(mesh.positions.clone(), mesh.connectivity.clone());
     assert_eq!(file.split_vertices(), 0);
     assert_eq!(file.welded().expect("a mesh"), file);
 }
@@ -76,10 +70,7 @@ fn what_only_touches_is_refused() {
     positions.extend(others);
     triangles.extend(more.map(|[a, b, c]| [a, c, b]));
     let mesh = Mesh::new(positions, triangles);
-    let file = MeshFile {
-        positions: mesh.positions,
-        mesh: mesh.connectivity,
-    };
+    let file = MeshFile::new(mesh.positions, mesh.connectivity);
     assert!(file.welded().is_err());
 }
 
@@ -93,6 +84,7 @@ fn vertices_near_each_other_are_merged() {
         let MeshFile {
             mut positions,
             mesh: apart,
+            ..
         } = split(&mesh);
         let shift = 1e-6 * scale;
         for position in &mut positions {

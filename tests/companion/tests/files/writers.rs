@@ -8,10 +8,7 @@ use std::path::{Path, PathBuf};
 fn discocyte(vertices: usize) -> MeshFile {
     let shape = "discocyte:4e-6".parse().unwrap();
     let made = generate(&shape, Family::Smooth, vertices, 0).unwrap();
-    MeshFile {
-        positions: made.positions,
-        mesh: made.mesh,
-    }
+    MeshFile::new(made.positions, made.mesh)
 }
 
 fn folder() -> PathBuf {

@@ -322,7 +322,10 @@ pub(super) fn plate(holes: usize) -> Made {
         }
     }
     let mesh = TriangleMesh::new(positions.len(), triangles)?;
-    let MeshFile { positions, mesh } = subdivide(MeshFile { positions, mesh }, 2, Target::Limit)?;
+    let file = MeshFile::new(positions, mesh);
+    let MeshFile {
+        positions, mesh, ..
+    } = subdivide(file, 2, Target::Limit)?;
     Ok(Specimen::unknown(mesh, positions))
 }
 

@@ -1,7 +1,7 @@
 //! The body of a PLY file: its elements, as text or binary.
 
 use super::super::text::{Text, parsed};
-use super::super::{CORNER, Element, ParseError, Position, Problem, finite};
+use super::super::{CORNER, Element, ParseError, Position, Problem, Unknown, finite};
 use super::{ByteOrder, ElementGroup, MeshBuilder, Property, Role, Scalar};
 
 /// The part of a file after its header, read value by value. `element` is the current one, for messages.
@@ -198,6 +198,7 @@ pub(super) struct Binary<'a> {
     pub(super) at: usize,
     pub(super) order: ByteOrder,
     pub(super) ended: bool,
+    pub(super) unknown: Unknown,
 }
 
 impl Binary<'_> {
@@ -322,7 +323,7 @@ impl Body for Binary<'_> {
         let value = self
             .real(kind)
             .ok_or_else(|| self.expected("a coordinate", None, Some(element)))?;
-        finite(value, axis, || value.to_string())
+        finite(value, axis, self.unknown, || value.to_string())
             .map_err(|problem| problem.at(position, Some(element)))
     }
 

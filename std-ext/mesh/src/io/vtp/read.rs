@@ -2,7 +2,8 @@
 
 use super::super::xml::{Tag, Tags, line_of};
 use super::super::{
-    Budget, Column, ColumnPlace, Columns, MeshBuilder, MeshFile, ParseError, Problem, finite,
+    Budget, Column, ColumnPlace, Columns, MeshBuilder, MeshFile, ParseError, Problem, Unknown,
+    finite, leave_out,
 };
 use super::array::{Array, Storage};
 
@@ -29,13 +30,17 @@ struct Outline<'a> {
 pub(in crate::io) fn parse(
     bytes: &[u8],
     columns: Columns,
+    unknown: Unknown,
 ) -> Result<(MeshFile, Vec<Column>), ParseError> {
     let Outline { storage, pieces } = outline(bytes, columns)?;
     let mut builder = MeshBuilder::new(0);
     for piece in &pieces {
-        piece.add_to(&mut builder, &storage)?;
+        piece.add_to(&mut builder, &storage, unknown)?;
     }
-    Ok((builder.finish()?, joined(&pieces, &storage)?))
+    let (file, left_out) = builder.finish_known()?;
+    let mut columns = joined(&pieces, &storage)?;
+    leave_out(&left_out, &mut columns);
+    Ok((file, columns))
 }
 
 /// Columns that every piece with points has, concatenated in the order of pieces.
@@ -233,7 +238,12 @@ impl Piece<'_> {
         Ok(repeated.flatten().collect())
     }
 
-    fn add_to(&self, builder: &mut MeshBuilder, storage: &Storage<'_>) -> Result<(), ParseError> {
+    fn add_to(
+        &self,
+        builder: &mut MeshBuilder,
+        storage: &Storage<'_>,
+        unknown: Unknown,
+    ) -> Result<(), ParseError> {
         let file = storage.file;
         let missing = |missing| Problem::Undeclared { missing }.at(line_of(file, self.at), None);
         if self.vertices == 0 {
@@ -252,10 +262,11 @@ impl Piece<'_> {
                 builder.positions.push([0.0; 3]);
             }
             let vertex = before + index / 3;
-            let checked = finite(value, index % 3, || value.to_string()).map_err(|problem| {
-                let element = super::super::Element::Vertex(vertex);
-                problem.at(coordinates.position(file, index), Some(element))
-            })?;
+            let checked =
+                finite(value, index % 3, unknown, || value.to_string()).map_err(|problem| {
+                    let element = super::super::Element::Vertex(vertex);
+                    problem.at(coordinates.position(file, index), Some(element))
+                })?;
             builder.positions[vertex][index % 3] = checked;
         }
         // A piece may have no polygons.
