@@ -48,6 +48,8 @@ struct Exception {
     name: &'static str,
     noise: &'static [f64],
     symbol: &'static str,
+    /// Least fraction of the vertices within their bars, if it is not the published one.
+    within: Option<f64>,
     /// Largest median ratio of bars to true errors, and range of the ratio of expected to true mean errors.
     width: f64,
     expected: [f64; 2],
@@ -64,6 +66,7 @@ const fn of_force(
         name,
         noise,
         symbol: "f",
+        within: None,
         width,
         expected,
     }
@@ -73,17 +76,29 @@ const ANY: &[f64] = &[1e-4, 1e-3, 1e-2, 3e-2];
 const LARGE: &[f64] = &[1e-2, 3e-2];
 
 /// Fits over most of a star miss the same waves, and f nearly vanishes on tori of aspect 0.6.
-const EXCEPTIONS: [Exception; 10] = [
+const EXCEPTIONS: [Exception; 13] = [
     Exception {
         name: "torus:1,0.45, relaxed",
         noise: &[1e-4],
         symbol: "H",
+        within: None,
         width: 10.0,
         expected: [1.0 / 1.5, 1.8],
+    },
+    // Its rim, half as wide as that of a red blood cell, is hardly resolved: bars are 15 % too narrow.
+    Exception {
+        name: "discocyte:1, relaxed",
+        noise: &[0.0],
+        symbol: "f",
+        within: Some(0.94),
+        width: 25.0,
+        expected: EXPECTED,
     },
     of_force("torus:1,0.6, regular", &[0.0], 28.5, EXPECTED),
     of_force("ellipsoid:1,0.8,0.5, relaxed", &[0.0], 26.5, EXPECTED),
     of_force("torus:1,0.6,", ANY, 12.0, [1.0 / 1.5, 1.75]),
+    of_force("torus:1,0.45, regular", &[1e-4], 12.0, [1.0 / 1.5, 1.55]),
+    of_force("torus:1,0.45, relaxed", &[1e-4], 12.0, [1.0 / 1.5, 1.55]),
     of_force("star 1,", ANY, 12.0, [1.0 / 1.5, 1.75]),
     of_force("star 2, irregular", LARGE, 12.0, [0.45, 1.5]),
     of_force("star 3, irregular", LARGE, 12.0, [0.45, 1.5]),
@@ -131,12 +146,21 @@ impl Found {
             let is_case = self.name.starts_with(exception.name);
             is_case && exception.noise.contains(&self.part) && exception.symbol == symbol
         });
-        let (width, [least, most]) = match exception {
-            Some(exception) => (exception.width, exception.expected),
-            None => (published.width[usize::from(is_clean)], EXPECTED),
+        let least_within = published.within[usize::from(is_clean)];
+        let (within, width, [least, most]) = match exception {
+            Some(exception) => (
+                exception.within.unwrap_or(least_within),
+                exception.width,
+                exception.expected,
+            ),
+            None => (
+                least_within,
+                published.width[usize::from(is_clean)],
+                EXPECTED,
+            ),
         };
         let is_expected = is_clean || (least..most).contains(&self.expected);
-        let is_within = self.within >= published.within[usize::from(is_clean)];
+        let is_within = self.within >= within;
         (!(is_within && self.width <= width && is_expected)).then(|| {
             let (name, part) = (&self.name, self.part);
             let figures = [self.within, self.width, self.expected];
