@@ -249,7 +249,7 @@ pub(crate) fn subdivide<'py>(
         let mesh = TriangleMesh::new(positions.len(), triangles)?;
         Surface::new(&mesh, &positions[..])?;
         let positions = positions.to_vec();
-        refinement::subdivide(MeshFile { positions, mesh }, levels, target).map_err(Fault::new)
+        refinement::subdivide(MeshFile::new(positions, mesh), levels, target).map_err(Fault::new)
     })?;
     let MeshFile {
         positions, mesh, ..
