@@ -103,6 +103,10 @@ _helfrich() {
                 return 0
             fi
             case "${prev}" in
+                --weld)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
                 --method)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
@@ -341,6 +345,10 @@ _helfrich() {
                 return 0
             fi
             case "${prev}" in
+                --weld)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
                 *)
                     COMPREPLY=()
                     ;;
@@ -355,6 +363,10 @@ _helfrich() {
                 return 0
             fi
             case "${prev}" in
+                --weld)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
                 --error)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
@@ -523,6 +535,10 @@ _helfrich() {
                 return 0
             fi
             case "${prev}" in
+                --weld)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
                 --levels)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0

@@ -53,6 +53,7 @@ complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l noise -d 'Co
 complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l cache -d 'File in which measurements are kept, so that a repeated or interrupted study reuses them; by default, for pages only, in the user\'s cache folder' -r -F
 complete -c helfrich -n "__fish_helfrich_using_subcommand study" -l fresh -d 'Measure everything again'
 complete -c helfrich -n "__fish_helfrich_using_subcommand study" -s h -l help -d 'Print help'
+complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l weld -d 'Merge vertices at exactly the same point, or at most a distance apart. Files from renderers often have separate vertices for each face' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l error -d 'Largest allowed error, as in `1%` or `0.01`, relative to the largest value on the surface' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l quantity -d 'Quantity that has to be accurate: H, K, LapH or f' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l norm -d 'Norm of the error: `max`, at every vertex, or `mean`, on average' -r
@@ -62,8 +63,8 @@ complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l bandwidt
 complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l scalar -d 'Number types to choose from: f32, f32-pair, f64' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l json -d 'Also write the answer as JSON to this file; `-` writes it to standard output instead of the table' -r -F
 complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l threads -d 'Number of threads, from 1 to 1024; by default as many as the machine runs at once. Results do not depend on it' -r
-complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -l weld -d 'Merge vertices at exactly the same point. Files from renderers often have separate vertices for each face'
 complete -c helfrich -n "__fish_helfrich_using_subcommand recommend" -s h -l help -d 'Print help'
+complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l weld -d 'Merge vertices at exactly the same point, or at most a distance apart. Files from renderers often have separate vertices for each face' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l method -d 'Method by name or letter: kantor-nelson (A), gompper-kroll (B), meyer (C), belkin (D), farutin (E), loop (S), juelicher, hamann, galerkin (G), j4, j6, j8, jet (J), corrected, corrected-fit; jet chooses degree and neighbours from the noise at each vertex' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l modulus -d 'Bending modulus κ' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l areas -d 'Vertex areas of gompper-kroll and meyer: mixed, voronoi or barycentric; by default mixed' -r
@@ -86,14 +87,13 @@ k1_error\t''
 k2_error\t''
 sigma\t''"
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l threads -d 'Number of threads, from 1 to 1024; by default as many as the machine runs at once. Results do not depend on it' -r
-complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l weld -d 'Merge vertices at exactly the same point. Files from renderers often have separate vertices for each face'
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l errors -d 'Add principal curvatures, error bars and a verdict to the results of any method, by comparison with jets that choose their scale from the noise; `--method jet` always has them'
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -s h -l help -d 'Print help (see more with \'--help\')'
-complete -c helfrich -n "__fish_helfrich_using_subcommand info" -l weld -d 'Merge vertices at exactly the same point. Files from renderers often have separate vertices for each face'
+complete -c helfrich -n "__fish_helfrich_using_subcommand info" -l weld -d 'Merge vertices at exactly the same point, or at most a distance apart. Files from renderers often have separate vertices for each face' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand info" -s h -l help -d 'Print help'
+complete -c helfrich -n "__fish_helfrich_using_subcommand subdivide" -l weld -d 'Merge vertices at exactly the same point, or at most a distance apart. Files from renderers often have separate vertices for each face' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand subdivide" -l levels -d 'Number of refinements' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand subdivide" -s o -l output -d 'Output file; the extension `.obj`, `.off`, `.stl`, `.ply` or `.vtp` determines the format' -r -F
-complete -c helfrich -n "__fish_helfrich_using_subcommand subdivide" -l weld -d 'Merge vertices at exactly the same point. Files from renderers often have separate vertices for each face'
 complete -c helfrich -n "__fish_helfrich_using_subcommand subdivide" -l limit -d 'Place the vertices on the smooth surface to which further refinement would converge'
 complete -c helfrich -n "__fish_helfrich_using_subcommand subdivide" -s h -l help -d 'Print help'
 complete -c helfrich -n "__fish_helfrich_using_subcommand run" -l set -d 'Replace a value of the scene, as in `surface.vesicle.bending.modulus=0.3`, or remove it, as in `surface.vesicle.bending=`; may be repeated' -r

@@ -52,6 +52,7 @@ _arguments "${_arguments_options[@]}" : \
 ;;
 (recommend)
 _arguments "${_arguments_options[@]}" : \
+'--weld=[Merge vertices at exactly the same point, or at most a distance apart. Files from renderers often have separate vertices for each face]::DISTANCE:_default' \
 '--error=[Largest allowed error, as in \`1%\` or \`0.01\`, relative to the largest value on the surface]:ERROR:_default' \
 '--quantity=[Quantity that has to be accurate\: H, K, LapH or f]:QUANTITY:_default' \
 '--norm=[Norm of the error\: \`max\`, at every vertex, or \`mean\`, on average]:NORM:_default' \
@@ -61,7 +62,6 @@ _arguments "${_arguments_options[@]}" : \
 '*--scalar=[Number types to choose from\: f32, f32-pair, f64]:SCALAR:_default' \
 '--json=[Also write the answer as JSON to this file; \`-\` writes it to standard output instead of the table]:JSON:_files' \
 '--threads=[Number of threads, from 1 to 1024; by default as many as the machine runs at once. Results do not depend on it]:N:_default' \
-'--weld[Merge vertices at exactly the same point. Files from renderers often have separate vertices for each face]' \
 '-h[Print help]' \
 '--help[Print help]' \
 ':mesh -- OBJ, OFF, STL, PLY or VTP file:_files' \
@@ -69,6 +69,7 @@ _arguments "${_arguments_options[@]}" : \
 ;;
 (curvature)
 _arguments "${_arguments_options[@]}" : \
+'--weld=[Merge vertices at exactly the same point, or at most a distance apart. Files from renderers often have separate vertices for each face]::DISTANCE:_default' \
 '--method=[Method by name or letter\: kantor-nelson (A), gompper-kroll (B), meyer (C), belkin (D), farutin (E), loop (S), juelicher, hamann, galerkin (G), j4, j6, j8, jet (J), corrected, corrected-fit; jet chooses degree and neighbours from the noise at each vertex]:METHOD:_default' \
 '--modulus=[Bending modulus κ]:MODULUS:_default' \
 '--areas=[Vertex areas of gompper-kroll and meyer\: mixed, voronoi or barycentric; by default mixed]:AREAS:_default' \
@@ -81,7 +82,6 @@ _arguments "${_arguments_options[@]}" : \
 '--picture=[Draw the surface to this \`.png\` file, with principal directions if \`--method jet\` or \`--errors\` is given; a table is then written only with \`--csv\`. The surface is grey where twice the error bar exceeds the range of the colours]:FILE:_files' \
 '--colour-by=[Quantity that the picture shows, by the name of its column; f is shown along the normal. Quantities other than H, K and f need \`--method jet\` or \`--errors\`]:QUANTITY:(H K f k1 k2 H_error K_error f_error k1_error k2_error sigma)' \
 '--threads=[Number of threads, from 1 to 1024; by default as many as the machine runs at once. Results do not depend on it]:N:_default' \
-'--weld[Merge vertices at exactly the same point. Files from renderers often have separate vertices for each face]' \
 '--errors[Add principal curvatures, error bars and a verdict to the results of any method, by comparison with jets that choose their scale from the noise; \`--method jet\` always has them]' \
 '-h[Print help (see more with '\''--help'\'')]' \
 '--help[Print help (see more with '\''--help'\'')]' \
@@ -90,7 +90,7 @@ _arguments "${_arguments_options[@]}" : \
 ;;
 (info)
 _arguments "${_arguments_options[@]}" : \
-'--weld[Merge vertices at exactly the same point. Files from renderers often have separate vertices for each face]' \
+'--weld=[Merge vertices at exactly the same point, or at most a distance apart. Files from renderers often have separate vertices for each face]::DISTANCE:_default' \
 '-h[Print help]' \
 '--help[Print help]' \
 ':mesh -- OBJ, OFF, STL, PLY or VTP file:_files' \
@@ -98,10 +98,10 @@ _arguments "${_arguments_options[@]}" : \
 ;;
 (subdivide)
 _arguments "${_arguments_options[@]}" : \
+'--weld=[Merge vertices at exactly the same point, or at most a distance apart. Files from renderers often have separate vertices for each face]::DISTANCE:_default' \
 '--levels=[Number of refinements]:LEVELS:_default' \
 '-o+[Output file; the extension \`.obj\`, \`.off\`, \`.stl\`, \`.ply\` or \`.vtp\` determines the format]:OUTPUT:_files' \
 '--output=[Output file; the extension \`.obj\`, \`.off\`, \`.stl\`, \`.ply\` or \`.vtp\` determines the format]:OUTPUT:_files' \
-'--weld[Merge vertices at exactly the same point. Files from renderers often have separate vertices for each face]' \
 '--limit[Place the vertices on the smooth surface to which further refinement would converge]' \
 '-h[Print help]' \
 '--help[Print help]' \
