@@ -316,18 +316,22 @@ fn load(MeshArguments { mesh: path, weld }: &MeshArguments) -> Result<MeshFile, 
             file.left_out
         ));
     }
-    let split = if weld.is_none() {
-        file.split_vertices()
-    } else {
-        0
+    let split = match weld {
+        Some(_) => 0,
+        None => file.split_vertices(),
     };
-    if split > 0 {
+    let distance = GAP * shortest_edge(&file);
+    let near = file.near_vertices(distance);
+    if near > split {
+        say(format_args!(
+            "warning: {shown}: the mesh has gaps: {near} vertices of its boundary are nearly at the same points as \
+             others; --weld={distance:.1e} merges them"
+        ));
+    } else if split > 0 {
         say(format_args!(
             "warning: {shown}: the mesh has split vertices: {split} vertices of its boundary are at the same \
              points as others; --weld merges them"
         ));
-    } else if !file.mesh.is_closed() {
-        recommend_welding(&file, path);
     }
     Ok(file)
 }
@@ -335,23 +339,14 @@ fn load(MeshArguments { mesh: path, weld }: &MeshArguments) -> Result<MeshFile, 
 /// Part of the shortest edge within which vertices of a boundary are taken for the same point.
 const GAP: f64 = 0.01;
 
-/// Recommends a distance to merge vertices across gaps.
-fn recommend_welding(file: &MeshFile, path: &Path) {
+fn shortest_edge(file: &MeshFile) -> f64 {
     let edges = file.mesh.edges().iter();
     let lengths = edges.map(|edge| {
         let [from, to] = edge.map(|vertex| file.positions[vertex as usize]);
         let [x, y, z] = [0, 1, 2].map(|axis| to[axis] - from[axis]);
         x.hypot(y).hypot(z)
     });
-    let distance = GAP * lengths.fold(f64::INFINITY, f64::min);
-    let near = file.near_vertices(distance);
-    if near > 0 {
-        say(format_args!(
-            "warning: {}: the mesh has gaps: {near} vertices of its boundary are nearly at the same points as \
-             others; --weld={distance:.1e} merges them",
-            path.display()
-        ));
-    }
+    lengths.reduce(f64::min).unwrap_or(0.0)
 }
 
 /// A distance, not below 0.
