@@ -152,7 +152,7 @@ pub(crate) struct Bending<L> {
     pub(crate) of_mean: [L; 2],
     /// K_x and K_y.
     pub(crate) of_gaussian: [L; 2],
-    /// Those of 1/√(1 + z_x² + z_y²).
+    /// Derivatives of 1/√(1 + z_x² + z_y²).
     pub(crate) of_uprightness: [L; 2],
     /// Δ_S H.
     pub(crate) laplacian_of_mean: L,
