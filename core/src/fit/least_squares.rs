@@ -210,7 +210,7 @@ fn carry<T: Real, const C: usize>(
     let mut sums = [Several::<T>::zero(); C];
     for row in 0..left {
         for c in 0..C {
-            sums[c] = sums[c] + vector[row] * tails[c][row];
+            sums[c] = sums[c].plus(vector[row].times(tails[c][row]));
         }
     }
     for sum in &mut sums {
@@ -219,7 +219,7 @@ fn carry<T: Real, const C: usize>(
     for row in 0..left {
         let across = vector[row];
         for c in 0..C {
-            tails[c][row] = tails[c][row] + sums[c] * across;
+            tails[c][row] = tails[c][row].plus(sums[c].times(across));
         }
     }
 }
@@ -250,7 +250,7 @@ pub(super) fn dot<T: Real>(a: &[Several<T>], b: &[Several<T>]) -> Several<T> {
     let (whole_b, rest_b) = b.as_chunks::<SUMS>();
     for (a, b) in whole_a.iter().zip(whole_b) {
         for k in 0..SUMS {
-            sums[k] = sums[k] + a[k] * b[k];
+            sums[k] = sums[k].plus(a[k].times(b[k]));
         }
     }
     for (k, (&a, &b)) in rest_a.iter().zip(rest_b).enumerate() {

@@ -65,7 +65,7 @@ pub(crate) fn set_moments<T: Real>(
         let next = powers.iter_mut().zip(column.iter_mut());
         for ((power, entry), (&x, &y)) in next.zip(points.x.iter().zip(points.y)) {
             *power = add_powers(&mut sums, *entry, y);
-            *entry = *entry * x;
+            *entry = entry.times(x);
         }
         store(moments, (degree, a, 0), sums);
         for b in (SUMS..degree + 1 - a).step_by(SUMS) {
@@ -98,8 +98,8 @@ fn add_powers<T: Real>(
     y: Several<T>,
 ) -> Several<T> {
     for sum in sums {
-        *sum = *sum + power;
-        power = power * y;
+        *sum = sum.plus(power);
+        power = power.times(y);
     }
     power
 }
@@ -131,11 +131,11 @@ pub(crate) fn evaluate<T: Real>(
                     Several::zero()
                 };
                 for k in 0..TOGETHER {
-                    parts[k] = parts[k] * y[k] + coefficient;
+                    parts[k] = parts[k].times(y[k]).plus(coefficient);
                 }
             }
             for k in 0..TOGETHER {
-                values[k] = values[k] * x[k] + parts[k];
+                values[k] = values[k].times(x[k]).plus(parts[k]);
             }
         }
     }

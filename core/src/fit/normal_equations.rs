@@ -110,7 +110,7 @@ impl<T: Real> NormalEquations<T> {
                 let scaled = &self.scaled[..j];
                 for k in 0..j {
                     for c in 0..SUMS {
-                        sums[c] = sums[c] - known[c][k] * scaled[k];
+                        sums[c] = sums[c].minus(known[c][k].times(scaled[k]));
                     }
                 }
                 for (c, &sum) in sums.iter().enumerate().take(count - i) {
@@ -207,7 +207,7 @@ impl<T: Real> NormalEquations<T> {
         for (i, row) in rows.enumerate().take(right.len()).rev() {
             let last = right[i];
             for (entry, &factor) in right[..i].iter_mut().zip(row) {
-                *entry = *entry - factor * last;
+                *entry = entry.minus(factor.times(last));
             }
         }
         for (coefficient, &entry) in coefficients.iter_mut().zip(&*right) {
