@@ -3,8 +3,9 @@
 //! Jets of two degrees over different numbers of neighbours have different errors: their distance shows that of
 //! the less accurate one. The disagreement of each with its neighbours shows which one that is.
 
+use super::bias::positive;
 use super::level::Level;
-use super::{FORCE, Ground, LOCAL, ONE_STAGE, QUANTITIES};
+use super::{FORCE, GAUSSIAN, Ground, LOCAL, ONE_STAGE, QUANTITIES};
 use crate::curvature::{Curvature, Curvatures};
 use crate::element::Execution;
 use crate::laplacian::{Jet, LaplaceBeltrami};
@@ -195,15 +196,24 @@ impl<T: Real> Jets<T> {
         ground: &Ground<'_, T>,
         wider: Option<&Level<T>>,
     ) -> [Vec<T>; QUANTITIES] {
-        let square = |x: T| x * x;
+        let squared = |x: T| x * x;
         let pooled = |values: &mut dyn Iterator<Item = T>| {
-            let squares = Vec::from_iter(values.map(square));
+            let squares = Vec::from_iter(values.map(squared));
             ground.means(execution, &squares, LOCAL)
         };
         let [own, other] = self.disagreements(execution, ground);
         let of_laplacian =
             |doubt: &Option<Doubt<T>>| doubt.map_or(T::nan(), |doubt| doubt.of_laplacian);
         let of_laplacian = pooled(&mut self.doubts.iter().map(of_laplacian));
+        // What noise makes of K if it explains the distance in H, while distances in K of two jets may cancel by chance:
+        // second derivatives of even noise along two axes are correlated by 1/3, so that the variance of K is
+        // 6H² − 2K times that of H.
+        let [means, gaussians, _] = &self.values;
+        let by_noise = zip(&self.distances[0], zip(means, gaussians));
+        let by_noise = pooled(&mut by_noise.map(|(&distance, (&mean, &gaussian))| {
+            let factor = T::constant(6.0) * mean * mean - T::constant(2.0) * gaussian;
+            distance * positive(factor).sqrt()
+        }));
         from_fn(|quantity| {
             let from_other = pooled(&mut self.distances[quantity].iter().copied());
             let from_wider = wider.map(|wider| {
@@ -213,21 +223,29 @@ impl<T: Real> Jets<T> {
             });
             let of_vertex = |vertex: usize| match self.doubts[vertex] {
                 None => from_wider.as_ref().map_or(T::nan(), |from_wider| {
-                    square(T::constant(FROM_WIDER)) * from_wider[vertex]
+                    squared(T::constant(FROM_WIDER)) * from_wider[vertex]
                 }),
                 Some(_) => {
-                    let from_other = square(T::constant(FROM_OTHER)) * from_other[vertex];
-                    let ratio = square(T::constant(OF_BETTER)) * own[vertex] / other[vertex];
+                    let from_other = squared(T::constant(FROM_OTHER)) * from_other[vertex];
+                    let ratio = squared(T::constant(OF_BETTER)) * own[vertex] / other[vertex];
                     let mut better = ratio * from_other;
                     if quantity == FORCE {
-                        better = larger(better, square(T::constant(OF_ROW)) * of_laplacian[vertex]);
+                        better =
+                            larger(better, squared(T::constant(OF_ROW)) * of_laplacian[vertex]);
                     }
                     // Also false for NaN.
-                    if better < from_other {
+                    let square = if better < from_other {
                         better
                     } else {
                         from_other
+                    };
+                    if quantity != GAUSSIAN {
+                        return square;
                     }
+                    // Noise disturbs both degrees alike, the shape the better one less.
+                    let alike = ratio.min(T::one());
+                    let by_noise = alike * alike * by_noise[vertex];
+                    larger(square, squared(T::constant(FROM_OTHER)) * by_noise)
                 }
             };
             (0..self.doubts.len()).map(of_vertex).collect()
