@@ -1,7 +1,9 @@
 //! Adaptive jets where noise is hardly larger than the residual of the shape, so that it is found at some
 //! vertices, at none, or where there is none.
 
-use crate::adaptive::{FEW, QUANTITIES, best_fixed, estimate, exact, of, root_mean_square, shape};
+use crate::adaptive::{
+    FEW, QUANTITIES, bars, best_fixed, estimate, exact, of, root_mean_square, shape,
+};
 use crate::expected_errors::{Case, disc, torus};
 use helfrich::{AdaptiveJet, Surface};
 use helfrich_std::generate::Family;
@@ -65,6 +67,21 @@ fn near_the_detection_limit_it_is_no_worse_than_jets() {
                 case.name
             );
         }
+    }
+}
+
+/// Noise of this size, that of coordinates with 24 bits, is not found on this mesh. Distances of the K of two jets cancel
+/// by chance, and bars that stand on them alone held at 74 of 100 vertices.
+#[test]
+fn bars_hold_where_noise_is_hidden() {
+    let case = Case::of_shape(&shape("discocyte"), Family::Regular, 2562);
+    let positions = case.disturbed(1e-5 * case.mean_edge());
+    let found = of(&AdaptiveJet::default(), &case.mesh, &positions);
+    let seen = found.iter().filter(|at| at.deviation > 0.0).count();
+    assert!(10 * seen < found.len(), "{seen}");
+    for quantity in [0, 1] {
+        let (_, within) = bars(&found, &case, quantity);
+        assert!(within > 0.92, "{quantity}: {within}");
     }
 }
 

@@ -43,6 +43,10 @@ const FROM_OTHER: f64 = 3.0;
 const OF_BETTER: f64 = 1.25;
 const OF_ROW: f64 = 0.8;
 
+/// The least error bar of K, in units of what noise would make of it if it explained the distances in H: as many errors
+/// as of H are below it where noise is too small to be found, and it is at most 40 median errors of exact meshes.
+const BY_NOISE: f64 = 2.5;
+
 /// The same near a boundary, from fits over more neighbours. On 27 meshes of nine shapes 99 % of the errors of H, K and
 /// f were below 1.5 such distances in the median case and below 3.9 in the worst, and the distance was at most 5.8
 /// median errors.
@@ -245,7 +249,7 @@ impl<T: Real> Jets<T> {
                     // Noise disturbs both degrees alike, the shape the better one less.
                     let alike = ratio.min(T::one());
                     let by_noise = alike * alike * by_noise[vertex];
-                    larger(square, squared(T::constant(FROM_OTHER)) * by_noise)
+                    larger(square, squared(T::constant(BY_NOISE)) * by_noise)
                 }
             };
             (0..self.doubts.len()).map(of_vertex).collect()
