@@ -48,8 +48,7 @@ type Values<T> = [T; REPLICAS];
 /// H, K and f.
 const QUANTITIES: usize = 3;
 
-/// The places of K and f.
-const GAUSSIAN: usize = 1;
+/// The place of f.
 const FORCE: usize = QUANTITIES - 1;
 
 /// The largest number of nearest vertices over which estimates are averaged, and the number that shows places where
