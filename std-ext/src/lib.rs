@@ -31,6 +31,7 @@ pub use helfrich_evaluate::{
     checked, contact, effect, execute, held, method, noise, ordered, scalar,
 };
 pub use helfrich_mesh::{enclosure, generate, info, io, orientation, polygon, section, subdivide};
+pub use helfrich_scene::{scene, series, simulation};
 pub use helfrich_solve::{deformation, dynamics, flow};
 
 pub mod answer;
@@ -44,10 +45,8 @@ pub mod provenance;
 pub mod recommend;
 pub mod report;
 pub mod run;
-pub mod scene;
-pub mod series;
-pub mod simulation;
-mod six;
 pub mod study;
 pub mod sweep;
 pub mod verdict;
+
+use helfrich_scene::six;

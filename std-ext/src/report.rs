@@ -15,7 +15,6 @@ pub use study::{conclusion, study_table, verdict_table};
 use crate::info::MeshInfo;
 use crate::plots::unit_of;
 use crate::run::{End, EnergyEstimate, Summary, stability};
-use crate::scene::Dimension;
 use crate::series::{ITERATION, TIME};
 use crate::six::Six;
 use crate::study::MOST_SCATTER;
@@ -174,8 +173,7 @@ pub fn run_table(summary: &Summary, folder: &Path, out: &mut dyn Write) -> io::R
         writeln!(out, "the energy of \"{surface}\" {known}")?;
     }
     if !modes.is_empty() {
-        // An energy over the fourth power of a length.
-        let unit = match Dimension::REPULSION.unit(scene.units).as_str() {
+        let unit = match unit_of("stiffness", scene).as_str() {
             "" => String::new(),
             unit => format!("; stiffness in {unit}"),
         };

@@ -12,7 +12,7 @@ use super::curved::{Curved, Integrals};
 use crate::dynamics::multipliers::multipliers;
 use crate::held::Quantity;
 use crate::method::{BendingMethod, Evaluator};
-use crate::scene::{Bending, Geometry, Material, Named, Scene, SurfaceEffect, SurfaceScene};
+use crate::scene::{Bending, Geometry, Material, Named, Scene, SurfaceScene};
 use crate::simulation::{Acting, Body, Simulation};
 use crate::six::Six;
 use glam::DVec3;
@@ -111,8 +111,9 @@ impl Estimating<'_> {
             return None;
         }
         let energy: f64 = self.own.iter().map(|acting| acting.energy).sum();
-        let bent = self.energy_of(|name, _| name == Bending::NAME);
-        let elastic = self.energy_of(|_, effect| effect.is_solid());
+        let bent = self.energy_of(|name| name == Bending::NAME);
+        let elastic =
+            self.energy_of(|name| self.surface.effects.solid().any(|solid| solid == name));
         let (groups, count) = mesh.components();
         let material = [&bending.modulus, &bending.spontaneous_curvature].map(Material::parameter);
         let by = |method: BendingMethod| {
@@ -149,28 +150,26 @@ impl Estimating<'_> {
         }
     }
 
-    /// Effects that act, each with its description in the scene.
-    fn effects(&self) -> impl Iterator<Item = (&Acting, &'static str, &dyn SurfaceEffect)> {
+    /// Effects that act, each with its name and its quantity in the scene.
+    fn effects(&self) -> impl Iterator<Item = (&Acting, &'static str, Option<AnyFunctional>)> {
         let own = self.own.iter().zip(self.body.effects());
         own.filter_map(move |(acting, prepared)| {
-            let mut effects = self.surface.effects.iter();
-            let (name, effect) = effects.find(|(name, _)| *name == prepared.name())?;
-            Some((acting, name, effect))
+            let mut effects = self.surface.effects.quantities(self.geometry);
+            let (name, quantity) = effects.find(|(name, _)| *name == prepared.name())?;
+            Some((acting, name, quantity))
         })
     }
 
-    fn energy_of(&self, wanted: impl Fn(&str, &dyn SurfaceEffect) -> bool) -> f64 {
-        let wanted = self
-            .effects()
-            .filter(|(_, name, effect)| wanted(name, *effect));
+    fn energy_of(&self, wanted: impl Fn(&str) -> bool) -> f64 {
+        let wanted = self.effects().filter(|(_, name, _)| wanted(name));
         wanted.map(|(acting, ..)| acting.energy).sum()
     }
 
     /// Quantities that are constrained or have an energy.
     fn quantities(&self) -> Vec<AnyFunctional> {
         let mut quantities = Vec::new();
-        for (_, effect) in self.surface.effects.iter() {
-            if let Some(quantity) = effect.quantity(self.geometry)
+        for (_, quantity) in self.surface.effects.quantities(self.geometry) {
+            if let Some(quantity) = quantity
                 && !quantities.contains(&quantity)
             {
                 quantities.push(quantity);
@@ -218,7 +217,7 @@ impl Estimating<'_> {
     /// difference.
     fn balanced(&self) -> Vec<[f64; 3]> {
         let own = self.effects();
-        let own = own.filter(|(.., effect)| effect.quantity(self.geometry).is_none());
+        let own = own.filter(|(.., quantity)| quantity.is_none());
         let acting = own.map(|(acting, ..)| acting);
         let mut sum = vec![[0.0; 3]; self.at.mesh().vertex_count()];
         for acting in acting.chain(self.between.iter().copied()) {

@@ -2,10 +2,7 @@
 
 use super::RunError;
 use crate::checkpoint::Fingerprint;
-use crate::scene::{
-    Driver, MeshFileSource, MeshSource, Reference, ReferenceSource, Relax, Scene, SurfaceEffect,
-    SurfaceScene,
-};
+use crate::scene::{Driver, MeshFileSource, MeshSource, ReferenceSource, Relax, Scene};
 use crate::simulation::Simulation;
 use helfrich::TriangleMesh;
 use std::fmt::Write as _;
@@ -28,7 +25,7 @@ pub(crate) fn fingerprint(
     let mut references = Vec::new();
     for surface in &mut surfaces {
         forget(&mut surface.source);
-        for reference in own_references(surface) {
+        for reference in surface.effects.references_mut() {
             if let ReferenceSource::File(file) = &mut reference.source {
                 references.push(std::mem::take(file));
             }
@@ -68,8 +65,9 @@ pub(crate) fn fingerprint(
 /// The files that a scene reads, as it names them: meshes, references and published curves.
 pub(super) fn input_files(scene: &Scene) -> Vec<PathBuf> {
     let surfaces = scene.surfaces.iter();
-    let references = surfaces.clone().flat_map(|surface| surface.effects.iter());
-    let references = references.filter_map(|(_, effect)| effect.reference());
+    let references = surfaces
+        .clone()
+        .flat_map(|surface| surface.effects.references());
     let references = references.filter_map(|reference| match &reference.source {
         ReferenceSource::File(file) => Some(&file.path),
         _ => None,
@@ -123,11 +121,6 @@ fn forget(source: &mut MeshSource) {
     if let MeshSource::File(file) = source {
         *file = MeshFileSource::default();
     }
-}
-
-fn own_references(surface: &mut SurfaceScene) -> impl Iterator<Item = &mut Reference> {
-    let effects = surface.effects.iter_mut();
-    effects.filter_map(SurfaceEffect::reference_mut)
 }
 
 fn add_triangles(mesh: &TriangleMesh, text: &mut String) {

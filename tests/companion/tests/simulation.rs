@@ -149,7 +149,7 @@ fn an_evaluation_is_the_sum_of_what_each_effect_does() {
 }
 
 fn shipped(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../std-ext/scenes");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../std-ext/scene/scenes");
     folder.join(format!("{name}.toml"))
 }
 

@@ -150,7 +150,7 @@ fn measure(
         key.to_owned()
     }));
     let overrides = Overrides::new(keys).map_err(|error| problem(&error))?;
-    let text = include_str!("../../../std-ext/scenes/capsule-shear.toml");
+    let text = include_str!("../../../std-ext/scene/scenes/capsule-shear.toml");
     let file = SceneFile::parse(text, Path::new("capsule.toml"), &overrides)
         .map_err(|error| problem(&error))?;
     let ready = build(&file).map_err(|error| problem(&error))?;

@@ -380,7 +380,9 @@ impl FlowCase {
             "output.plot=".to_owned(),
         ];
         let text = match self.solver {
-            Solver::BoundaryIntegral => include_str!("../../../std-ext/scenes/capsule-shear.toml"),
+            Solver::BoundaryIntegral => {
+                include_str!("../../../std-ext/scene/scenes/capsule-shear.toml")
+            }
             Solver::LatticeBoltzmann {
                 resolution,
                 size,
@@ -389,7 +391,7 @@ impl FlowCase {
                 keys.push(format!("driver.resolution={resolution}"));
                 keys.push(format!("driver.box=[{size}, {size}, {size}]"));
                 keys.push(format!("driver.precision={precision}"));
-                include_str!("../../../std-ext/scenes/capsule-shear-lattice.toml")
+                include_str!("../../../std-ext/scene/scenes/capsule-shear-lattice.toml")
             }
         };
         let problem = |error: &dyn fmt::Display| FlowStudyError::Scene {

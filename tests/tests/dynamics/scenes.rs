@@ -9,7 +9,7 @@ use std::sync::LazyLock;
 use tempfile::TempDir;
 
 pub(crate) fn scenes() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../std-ext/scenes")
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../std-ext/scene/scenes")
 }
 
 /// Runs a shipped scene without its pictures.

@@ -29,7 +29,7 @@ use std::path::{Path, PathBuf};
 
 /// Folder of the shipped scenes.
 fn folder() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../std-ext/scenes")
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../std-ext/scene/scenes")
 }
 
 /// Names and texts of the shipped scenes.

@@ -1,4 +1,4 @@
-//! Private modules of helfrich-std that contain tests. They are compiled here, so that the library need not
+//! Private modules of libraries that contain tests. They are compiled here, so that the library need not
 //! be compiled a second time for its tests.
 
 use helfrich_std::scene::UnitSystem;
@@ -6,11 +6,11 @@ use std::fs;
 use std::path::Path;
 
 #[expect(dead_code, reason = "the library uses what the tests do not")]
-#[path = "../../../../std-ext/src/scene/units.rs"]
+#[path = "../../../../std-ext/scene/src/scene/units.rs"]
 mod units;
 
 #[expect(dead_code, reason = "the library uses what the tests do not")]
-#[path = "../../../../std-ext/src/six.rs"]
+#[path = "../../../../std-ext/scene/src/six.rs"]
 mod six;
 
 #[path = "../../../../std-ext/src/sweep/vary.rs"]
@@ -20,7 +20,7 @@ mod vary;
 mod curved;
 
 #[expect(dead_code, reason = "the library uses what the tests do not")]
-#[path = "../../../../std-ext/src/simulation/once.rs"]
+#[path = "../../../../std-ext/scene/src/simulation/once.rs"]
 mod once;
 
 #[expect(dead_code, reason = "the library uses what the tests do not")]
@@ -47,9 +47,15 @@ mod cache {
 #[test]
 fn tests_of_private_modules_run() {
     let top = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let mut folders = ["core", "std-ext", "std-ext/evaluate", "std-ext/cli"]
-        .map(|package| top.join(package).join("src"))
-        .to_vec();
+    let mut folders = [
+        "core",
+        "std-ext",
+        "std-ext/evaluate",
+        "std-ext/scene",
+        "std-ext/cli",
+    ]
+    .map(|package| top.join(package).join("src"))
+    .to_vec();
     let here = include_str!("private.rs");
     let mut found = 0;
     while let Some(folder) = folders.pop() {

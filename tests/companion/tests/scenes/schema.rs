@@ -25,7 +25,7 @@ fn schema_is_up_to_date() {
 #[test]
 fn the_guide_has_every_key() {
     const HEAD: &str = "## All keys\n";
-    let path = folder().join("../../docs/SCENES.md");
+    let path = folder().join("../../../docs/SCENES.md");
     let text = std::fs::read_to_string(&path).unwrap();
     let (before, after) = text.split_once(HEAD).expect("a heading");
     let after = after.find("\n## ").map_or("", |next| &after[next..]);

@@ -7,7 +7,7 @@ use std::path::Path;
 
 #[test]
 fn every_scene_of_the_folder_is_shipped() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../std-ext/scenes");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../std-ext/scene/scenes");
     let mut scenes = Vec::new();
     for entry in fs::read_dir(&folder).expect("the folder") {
         let path = entry.expect("a file").path();

@@ -10,7 +10,7 @@ use serde::Serialize;
 pub fn published() -> Vec<PublishedCurve> {
     // A test checks that it can be read.
     parsed(include_bytes!(
-        "../../../../std-ext/scenes/capsule-shear-published.csv"
+        "../../../../std-ext/scene/scenes/capsule-shear-published.csv"
     ))
     .unwrap_or_default()
 }

@@ -37,7 +37,7 @@ pub(super) fn said_once(warnings: Vec<SceneError>, surfaces: &[&str]) -> Vec<Sce
 }
 
 /// Merges messages without a place. The order of a pair matters here.
-pub(crate) fn messages_once(messages: Vec<String>, surfaces: &[&str]) -> Vec<String> {
+pub fn messages_once(messages: Vec<String>, surfaces: &[&str]) -> Vec<String> {
     kept(messages, surfaces, true)
         .into_iter()
         .flatten()

@@ -70,7 +70,8 @@ impl SurfaceScene {
 
     /// Estimate of the seconds that an evaluation of elasticity and bending takes on this number of
     /// vertices, and of those of elasticity alone.
-    pub(crate) fn evaluation_seconds(&self, vertices: usize) -> [f64; 2] {
+    #[doc(hidden)]
+    pub fn evaluation_seconds(&self, vertices: usize) -> [f64; 2] {
         let bending = self.effects.bending.as_ref();
         let bending = bending.map_or(0.0, |bending| bending.method.cost().relative);
         [1.0 + bending, 1.0].map(|relative| relative * VERTEX_SECONDS * vertices as f64)
@@ -94,7 +95,8 @@ impl SurfaceScene {
     }
 
     /// The same of a surface with this mesh.
-    pub(crate) fn membrane_on(&self, mesh: &MeshInfo) -> ImmersedMembrane {
+    #[doc(hidden)]
+    pub fn membrane_on(&self, mesh: &MeshInfo) -> ImmersedMembrane {
         self.membrane(mesh.enclosed_radius(), mesh.area, mesh.triangles)
     }
 }

@@ -137,7 +137,8 @@ impl Material {
     }
 
     /// The parameter in the form that methods take.
-    pub(crate) fn parameter(&self) -> MaterialParameter<f64> {
+    #[doc(hidden)]
+    pub fn parameter(&self) -> MaterialParameter<f64> {
         match self {
             Self::Number(number) => MaterialParameter::Constant(*number),
             Self::Column { column } => MaterialParameter::PerVertex(column.values.clone()),

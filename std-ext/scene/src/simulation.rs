@@ -13,11 +13,13 @@ mod once;
 mod placed;
 
 pub use build::build;
-pub(crate) use check::NARROW;
+#[doc(hidden)]
+pub use check::NARROW;
 pub use crossing::Crossing;
 pub use error::BuildError;
 pub use explain::{Active, Explanation, LatticeExplanation, SurfaceExplanation};
-pub(crate) use once::messages_once;
+#[doc(hidden)]
+pub use once::messages_once;
 
 use crate::checked;
 use crate::contact::repel;
@@ -267,7 +269,8 @@ impl Simulation {
 
     /// The exactly held quantities at some positions: for each surface the values of each constraint, one
     /// for each component.
-    pub(crate) fn held_values(&mut self, positions: &[[f64; 3]]) -> Vec<Vec<Vec<f64>>> {
+    #[doc(hidden)]
+    pub fn held_values(&mut self, positions: &[[f64; 3]]) -> Vec<Vec<Vec<f64>>> {
         let values = self.bodies.iter_mut().map(|body| {
             let positions = &positions[body.vertices.clone()];
             match &body.ordered {
@@ -280,7 +283,8 @@ impl Simulation {
 
     /// Sets the targets of exactly held quantities to this fraction of the way from some values, those of
     /// [`Self::held_values`], to their targets in the scene.
-    pub(crate) fn approach(&mut self, starts: &[Vec<Vec<f64>>], fraction: f64) {
+    #[doc(hidden)]
+    pub fn approach(&mut self, starts: &[Vec<Vec<f64>>], fraction: f64) {
         for (body, starts) in self.bodies.iter_mut().zip(starts) {
             body.acts.held.approach(starts, fraction);
         }

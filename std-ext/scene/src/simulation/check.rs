@@ -17,7 +17,7 @@ use helfrich::TriangleMesh;
 /// Triangles of a fluid surface in a flow are too narrow below this many degrees, and below what they
 /// were at the start. Even meshes have 35 to 55; a drop at Ca = 0.02 whose mesh is drawn out is off by
 /// 10 % in D before it gets there.
-pub(crate) const NARROW: f64 = 20.0;
+pub const NARROW: f64 = 20.0;
 
 /// Share of a repulsion's range that edges may lose: surfaces stay apart by more than half of it.
 const SAG: f64 = 0.25;

@@ -72,7 +72,7 @@ impl Hold {
 
 /// The functionals by which area and enclosed volume of a surface are held and reported.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Geometry {
+pub struct Geometry {
     pub(crate) area: AnyFunctional,
     pub(crate) volume: AnyFunctional,
 }
@@ -87,7 +87,7 @@ impl Geometry {
     /// Area and volume of the patches of Galerkin's method where it relaxes a surface, otherwise those of flat
     /// triangles. These have an error of second order in the edge length, which would be that of the
     /// equilibrium. In a flow nodal forces over areas act, and those of patches do not converge.
-    pub(crate) fn new(effects: &Effects, driver: &Driver) -> Self {
+    pub fn new(effects: &Effects, driver: &Driver) -> Self {
         let method = effects.bending.as_ref().map(|bending| bending.method);
         match (driver, method) {
             (Driver::Relax(_), Some(BendingMethod::Galerkin)) => Self {
@@ -99,7 +99,7 @@ impl Geometry {
     }
 
     /// Prepares the functionals for a mesh, unless triangles are flat.
-    pub(crate) fn of_patches(self, mesh: &TriangleMesh) -> Option<[Quantity; 2]> {
+    pub fn of_patches(self, mesh: &TriangleMesh) -> Option<[Quantity; 2]> {
         let is_of_patches = matches!(self.area, AnyFunctional::OfPatches(_));
         is_of_patches.then(|| [self.area, self.volume].map(|of| Quantity::new(of, mesh)))
     }

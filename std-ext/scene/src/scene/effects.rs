@@ -34,8 +34,7 @@ pub use gaussian_bending::GaussianBending;
 pub use gravity::Gravity;
 pub use groups::Group;
 pub(crate) use groups::{Groups, capillary_number};
-pub(crate) use held::Geometry;
-pub use held::Hold;
+pub use held::{Geometry, Hold};
 pub use line_tension::LineTension;
 pub use local_area::LocalArea;
 pub use membrane_viscosity::MembraneViscosity;
@@ -149,7 +148,8 @@ effects! {
 }
 
 /// The key of an effect in a scene; it also ends the names of its columns.
-pub(crate) trait Named {
+pub trait Named {
+    /// The key.
     const NAME: &'static str;
 }
 
@@ -254,8 +254,39 @@ impl Effects {
         self.iter().next().is_none()
     }
 
+    /// The names of the effects that depend on the history of the material.
+    #[doc(hidden)]
+    pub fn solid(&self) -> impl Iterator<Item = &'static str> {
+        let solid = self.iter().filter(|(_, effect)| effect.is_solid());
+        solid.map(|(name, _)| name)
+    }
+
+    /// The effects that are on, each with its name and the quantity on which its energy depends, or which it
+    /// constrains.
+    #[doc(hidden)]
+    pub fn quantities(
+        &self,
+        geometry: Geometry,
+    ) -> impl Iterator<Item = (&'static str, Option<AnyFunctional>)> {
+        self.iter()
+            .map(move |(name, effect)| (name, effect.quantity(geometry)))
+    }
+
+    /// The references of the effects that have one.
+    #[doc(hidden)]
+    pub fn references(&self) -> impl Iterator<Item = &Reference> {
+        self.iter().filter_map(|(_, effect)| effect.reference())
+    }
+
+    /// [`Self::references`], mutable.
+    #[doc(hidden)]
+    pub fn references_mut(&mut self) -> impl Iterator<Item = &mut Reference> {
+        self.iter_mut().filter_map(SurfaceEffect::reference_mut)
+    }
+
     /// The columns of the mesh file that belong to the material, each once.
-    pub(crate) fn columns(&self) -> Vec<&Arc<Column>> {
+    #[doc(hidden)]
+    pub fn columns(&self) -> Vec<&Arc<Column>> {
         let mut columns: Vec<&Arc<Column>> = Vec::new();
         for column in self.iter().flat_map(|(_, effect)| effect.columns()) {
             if !columns

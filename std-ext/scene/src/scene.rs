@@ -11,6 +11,7 @@
 mod boundary;
 mod builder;
 mod check;
+mod column;
 mod drivers;
 mod effects;
 mod embedded;
@@ -34,6 +35,7 @@ mod units;
 mod value;
 
 pub use boundary::Boundary;
+pub use column::unit_of;
 pub(crate) use drivers::AXES;
 pub use drivers::{BoundaryIntegral, Driver, Integrator, LatticeBoltzmann, Relax, Scheme};
 pub use effects::{
@@ -42,9 +44,10 @@ pub use effects::{
     LineTension, LocalArea, MembraneViscosity, Pressure, Reference, ReferenceSource, Stretching,
     Target, Tension, VolumeTarget,
 };
+#[doc(hidden)]
+pub use effects::{Geometry, Named};
 pub(crate) use effects::{
-    Geometry, Groups, MeshCheck, Named, Preparation, Stretch, SurfaceEffect, capillary_number,
-    reduced_volume,
+    Groups, MeshCheck, Preparation, Stretch, capillary_number, reduced_volume,
 };
 pub use flow::Flow;
 pub use material::Material;
@@ -56,7 +59,8 @@ pub use parameter::Parameter;
 pub(crate) use parameter::Parameters;
 pub use problem::{Place, Problem, SceneError, SceneErrors};
 pub use schema::json_schema;
-pub(crate) use shipped::shipped_file;
+#[doc(hidden)]
+pub use shipped::shipped_file;
 pub use shipped::{SHIPPED, ShippedScene, shipped_files};
 pub use start::start_shape;
 pub use surface::{ObstacleScene, Orientation, SurfaceScene};

@@ -102,7 +102,7 @@ pub fn shipped_files() -> impl Iterator<Item = (String, &'static str)> {
 }
 
 /// The content of a file that a shipped scene names.
-pub(crate) fn shipped_file(path: &Path) -> Option<&'static [u8]> {
+pub fn shipped_file(path: &Path) -> Option<&'static [u8]> {
     let name = path.strip_prefix(FOLDER).ok()?;
     let is = |(known, _): &(&str, &str)| name.as_os_str() == OsStr::new(known);
     Some(FILES.into_iter().find(is)?.1.as_bytes())

@@ -5,7 +5,7 @@ use std::fmt;
 /// A number with at most six significant digits and without trailing zeros; in powers of ten only
 /// if it is very large or small.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Six(pub(crate) f64);
+pub struct Six(pub f64);
 
 impl fmt::Display for Six {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {

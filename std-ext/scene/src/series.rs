@@ -419,7 +419,8 @@ impl Lines {
 }
 
 /// A cell of a CSV file, on one line.
-pub(crate) fn quoted(text: &str) -> String {
+#[doc(hidden)]
+pub fn quoted(text: &str) -> String {
     let line = text.replace(['\n', '\r'], " ");
     if line.contains([',', '"']) {
         format!("\"{}\"", line.replace('"', "\"\""))

@@ -1,0 +1,16 @@
+//! Scenes for [`helfrich`]: files that describe surfaces, what acts on them and what moves them.
+//!
+//! * [`scene`]: scene files, validated: surfaces, the effects on each, the driver, the outputs.
+//! * [`simulation`]: surfaces and effects of a scene, prepared for evaluation.
+//! * [`series`]: the numbers of a run over time.
+
+pub mod scene;
+pub mod series;
+pub mod simulation;
+#[doc(hidden)]
+pub mod six;
+
+// What the modules name as items of this crate.
+use helfrich_evaluate::{checked, contact, effect, execute, held, method, noise, ordered, scalar};
+use helfrich_mesh::{enclosure, generate, info, io};
+use helfrich_solve::{dynamics, flow};
