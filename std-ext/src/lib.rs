@@ -31,22 +31,17 @@ pub use helfrich_evaluate::{
     checked, contact, effect, execute, held, method, noise, ordered, scalar,
 };
 pub use helfrich_mesh::{enclosure, generate, info, io, orientation, polygon, section, subdivide};
+pub use helfrich_run::{checkpoint, lock, plots, run, sweep};
 pub use helfrich_scene::{scene, series, simulation};
 pub use helfrich_solve::{deformation, dynamics, flow};
 
 pub mod answer;
-pub mod checkpoint;
-mod findings;
-pub mod lock;
 pub mod measurement;
-pub mod plots;
-mod png;
 pub mod provenance;
 pub mod recommend;
 pub mod report;
-pub mod run;
 pub mod study;
-pub mod sweep;
 pub mod verdict;
 
+use helfrich_run::{findings, png};
 use helfrich_scene::six;

@@ -2,7 +2,7 @@
 //!
 //! [`build`] checks the scene on its meshes; [`Scene::explain`](crate::scene::Scene::explain) lists
 //! effects, with numbers. A [`Simulation`] computes the forces at given positions; it moves and writes
-//! nothing. [`crate::dynamics`] moves the positions, and [`crate::run`] writes results.
+//! nothing. [`crate::dynamics`] moves the positions, and `helfrich_run::run` writes results.
 
 mod build;
 mod check;

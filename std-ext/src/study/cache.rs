@@ -125,7 +125,7 @@ impl Cache {
             problem: match error {
                 LockError::Taken { holder, .. } => CacheProblem::Taken { holder },
                 LockError::Inaccessible { source, .. } => CacheProblem::Inaccessible(source),
-                foreign @ LockError::Foreign { .. } => CacheProblem::Lock(foreign),
+                foreign => CacheProblem::Lock(foreign),
             },
         })?;
         let empty = Content {

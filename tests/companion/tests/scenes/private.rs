@@ -13,10 +13,10 @@ mod units;
 #[path = "../../../../std-ext/scene/src/six.rs"]
 mod six;
 
-#[path = "../../../../std-ext/src/sweep/vary.rs"]
+#[path = "../../../../std-ext/run/src/sweep/vary.rs"]
 mod vary;
 
-#[path = "../../../../std-ext/src/run/curved.rs"]
+#[path = "../../../../std-ext/run/src/run/curved.rs"]
 mod curved;
 
 #[expect(dead_code, reason = "the library uses what the tests do not")]
@@ -31,7 +31,7 @@ mod timing;
 mod measured;
 
 #[expect(dead_code, reason = "the library uses what the tests do not")]
-#[path = "../../../../std-ext/src/run/remedy.rs"]
+#[path = "../../../../std-ext/run/src/run/remedy.rs"]
 mod remedy;
 
 #[expect(dead_code, reason = "the program uses what the tests do not")]

@@ -5,20 +5,20 @@ use std::io::{self, Write};
 use std::path::Path;
 
 /// Whether PNG files can be written.
-pub(crate) const IS_ENABLED: bool = cfg!(feature = "pictures");
+pub const IS_ENABLED: bool = cfg!(feature = "pictures");
 
 /// Writes a PNG file, completely or not at all.
-pub(crate) fn write(canvas: &Canvas, path: &Path) -> io::Result<()> {
+pub fn write(canvas: &Canvas, path: &Path) -> io::Result<()> {
     crate::io::replace_file(path, |out| encode(canvas, out))
 }
 
 #[cfg(feature = "pictures")]
-pub(crate) fn encode(canvas: &Canvas, out: &mut dyn Write) -> io::Result<()> {
+pub fn encode(canvas: &Canvas, out: &mut dyn Write) -> io::Result<()> {
     canvas.encode_png(out)
 }
 
 #[cfg(not(feature = "pictures"))]
-pub(crate) fn encode(_: &Canvas, _: &mut dyn Write) -> io::Result<()> {
+pub fn encode(_: &Canvas, _: &mut dyn Write) -> io::Result<()> {
     Err(io::Error::new(
         io::ErrorKind::Unsupported,
         "PNG files cannot be written: enable the feature `pictures` of helfrich-std",

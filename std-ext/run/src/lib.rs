@@ -1,0 +1,24 @@
+//! Runs of the scenes of [`helfrich`] in folders.
+//!
+//! * [`run`]: a run of a scene in a folder; [`sweep`]: a scene with every combination of some
+//!   values.
+//! * [`checkpoint`]: the stored state of a run. [`plots`]: plots of its numbers over time, beside
+//!   published curves.
+//! * [`lock`]: exclusive access to folders and files.
+
+pub mod checkpoint;
+#[doc(hidden)]
+pub mod findings;
+pub mod lock;
+pub mod plots;
+#[doc(hidden)]
+pub mod png;
+pub mod run;
+pub mod sweep;
+
+// What the modules name as items of this crate.
+use helfrich_draw::picture;
+use helfrich_evaluate::{effect, execute, held, method, scalar};
+use helfrich_mesh::{enclosure, generate, info, io};
+use helfrich_scene::{scene, series, simulation, six};
+use helfrich_solve::{deformation, dynamics, flow};
