@@ -12,6 +12,12 @@ fn main() {
         "src",
         "../src",
         "../evaluate/src",
+        "../mesh/src",
+        "../solve/src",
+        "../draw/src",
+        "../scene/src",
+        "../run/src",
+        "../study/src",
         "../../core/src",
         "../../Cargo.lock",
     ] {

@@ -34,14 +34,4 @@ pub use helfrich_mesh::{enclosure, generate, info, io, orientation, polygon, sec
 pub use helfrich_run::{checkpoint, lock, plots, run, sweep};
 pub use helfrich_scene::{scene, series, simulation};
 pub use helfrich_solve::{deformation, dynamics, flow};
-
-pub mod answer;
-pub mod measurement;
-pub mod provenance;
-pub mod recommend;
-pub mod report;
-pub mod study;
-pub mod verdict;
-
-use helfrich_run::{findings, png};
-use helfrich_scene::six;
+pub use helfrich_study::{answer, measurement, provenance, recommend, report, study, verdict};

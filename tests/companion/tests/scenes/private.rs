@@ -1,5 +1,5 @@
-//! Private modules of libraries that contain tests. They are compiled here, so that the library need not
-//! be compiled a second time for its tests.
+//! Private modules of libraries that contain tests. They are compiled here, so that these need not
+//! be compiled a second time for their tests.
 
 use helfrich_std::scene::UnitSystem;
 use std::fs;
@@ -24,10 +24,10 @@ mod curved;
 mod once;
 
 #[expect(dead_code, reason = "the library uses what the tests do not")]
-#[path = "../../../../std-ext/src/study/timing.rs"]
+#[path = "../../../../std-ext/study/src/study/timing.rs"]
 mod timing;
 
-#[path = "../../../../std-ext/src/study/measured.rs"]
+#[path = "../../../../std-ext/study/src/study/measured.rs"]
 mod measured;
 
 #[expect(dead_code, reason = "the library uses what the tests do not")]
@@ -52,6 +52,8 @@ fn tests_of_private_modules_run() {
         "std-ext",
         "std-ext/evaluate",
         "std-ext/scene",
+        "std-ext/run",
+        "std-ext/study",
         "std-ext/cli",
     ]
     .map(|package| top.join(package).join("src"))

@@ -1,0 +1,23 @@
+//! Studies of the methods of [`helfrich`], measurements with them, and reports.
+//!
+//! * [`study`]: accuracy and cost of the methods; [`verdict`]: whether they converge;
+//!   [`answer`]: the cheapest method for an accuracy; [`recommend`]: the cheapest method on a mesh
+//!   of the user.
+//! * [`measurement`]: curvatures with error bars, by jets that choose their scale from the noise.
+//! * [`provenance`]: program, compiler and machine of measurements.
+//! * [`report`]: tables, CSV and HTML of results, also of runs and sweeps.
+
+pub mod answer;
+pub mod measurement;
+pub mod provenance;
+pub mod recommend;
+pub mod report;
+pub mod study;
+pub mod verdict;
+
+// What the modules name as items of this crate.
+use helfrich_draw::picture;
+use helfrich_evaluate::{execute, method, noise, scalar};
+use helfrich_mesh::{generate, info, io};
+use helfrich_run::{findings, lock, plots, png, run, sweep};
+use helfrich_scene::{series, six};
