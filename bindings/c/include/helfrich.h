@@ -487,7 +487,7 @@ hf_status hf_membrane_new(const hf_mesh *mesh,
                           hf_error *error);
 
 /*
- Twin of hf_membrane_new with the reference in f32.
+ Twin of hf_membrane_new in f32.
  */
 hf_status hf_membrane_new_f32(const hf_mesh *mesh,
                               const float (*reference)[3],

@@ -1,10 +1,10 @@
 //! Forces that no effect of one membrane has: of viscosity, from velocities, and between surfaces.
 
-use crate::call::{Call, finite, finite_sum, guarded, surface};
+use crate::call::{Call, finite, finite_sum, surface};
 use crate::membrane::threads;
 use crate::mesh::Mesh;
 use crate::number::Number;
-use crate::status::{Error, Failure, Outcome, Status};
+use crate::status::{Failure, Outcome, Status};
 use helfrich::{Images, MembraneViscosity, Prepared, Repulsion, Surface};
 use helfrich_std::contact::repel;
 use helfrich_std::execute::Parallel;
@@ -52,53 +52,17 @@ fn viscous<N: Number>(
     Ok(())
 }
 
-/// Sets `force`, `count` rows of three, to the nodal forces of the viscosity of a membrane whose vertices have
-/// these velocities, and `*power` to the power −Σ F·v ≥ 0 that it dissipates, unless it is NULL.
-///
-/// The surface stress is (η_d − η_s) (tr d) P + 2 η_s d, d the rate of strain in the plane of a triangle and P the
-/// projector on it (Boussinesq and Scriven). `shear` is η_s, `dilational` η_d: force times time per length, at
-/// least 0, as the effect membrane_viscosity of scenes has them. Velocities of a rigid body have no force.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn hf_viscous_force(
-    mesh: *const Mesh,
-    positions: *const [f64; 3],
-    velocities: *const [f64; 3],
-    count: usize,
-    shear: f64,
-    dilational: f64,
-    force: *mut [f64; 3],
-    power: *mut f64,
-    error: *mut Error,
-) -> Status {
-    let (at, viscosities) = ((positions, velocities, count), [shear, dilational]);
-    // SAFETY: the caller keeps the contract of this library.
-    unsafe {
-        guarded(error, |call| {
-            viscous(call, mesh, at, viscosities, force, power)
-        })
-    }
-}
-
-/// Twin of hf_viscous_force in f32.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn hf_viscous_force_f32(
-    mesh: *const Mesh,
-    positions: *const [f32; 3],
-    velocities: *const [f32; 3],
-    count: usize,
-    shear: f32,
-    dilational: f32,
-    force: *mut [f32; 3],
-    power: *mut f32,
-    error: *mut Error,
-) -> Status {
-    let (at, viscosities) = ((positions, velocities, count), [shear, dilational]);
-    // SAFETY: the caller keeps the contract of this library.
-    unsafe {
-        guarded(error, |call| {
-            viscous(call, mesh, at, viscosities, force, power)
-        })
-    }
+twins! {
+    /// Sets `force`, `count` rows of three, to the nodal forces of the viscosity of a membrane whose vertices have
+    /// these velocities, and `*power` to the power −Σ F·v ≥ 0 that it dissipates, unless it is NULL.
+    ///
+    /// The surface stress is (η_d − η_s) (tr d) P + 2 η_s d, d the rate of strain in the plane of a triangle and P the
+    /// projector on it (Boussinesq and Scriven). `shear` is η_s, `dilational` η_d: force times time per length, at
+    /// least 0, as the effect membrane_viscosity of scenes has them. Velocities of a rigid body have no force.
+    fn hf_viscous_force, hf_viscous_force_f32<$N>(
+        mesh: *const Mesh, positions: *const [$N; 3], velocities: *const [$N; 3], count: usize,
+        shear: $N, dilational: $N, force: *mut [$N; 3], power: *mut $N,
+    ) |call| viscous(call, mesh, (positions, velocities, count), [shear, dilational], force, power)
 }
 
 /// The arrays of several surfaces, one after the other.
@@ -202,71 +166,23 @@ fn repulsion<N: Number>(
     Ok(())
 }
 
-/// Sets `forces` to the nodal forces of a short-range repulsion of `count` surfaces from each other, and `*energy` to
-/// its energy, unless it is NULL.
-///
-/// The energy is ½ Σ A w(d), summed over the vertices with their areas A and distances d from each other surface,
-/// with w(d) = k r²/4 (1 − s²)³/s², s = d/r for d < r, and 0 beyond. Fails with HF_STATUS_UNDEFINED where surfaces
-/// touch: it has no bound there. `modulus` is k, an energy per area squared, and `range` r. `positions` and
-/// `forces` have the rows of all surfaces one after the other, `total` in all; a mesh may be given several times.
-/// `periods` are the lengths of a periodic box along its three axes, at least the range or 0 for those that are not
-/// periodic, or NULL: in a box surfaces are repelled by all images, also of themselves. Evaluations run on up to
-/// `threads` threads, 0 for all; no result depends on their number.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn hf_repulsion(
-    meshes: *const *const Mesh,
-    count: usize,
-    positions: *const [f64; 3],
-    forces: *mut [f64; 3],
-    total: usize,
-    modulus: f64,
-    range: f64,
-    periods: *const [f64; 3],
-    energy: *mut f64,
-    threads: usize,
-    error: *mut Error,
-) -> Status {
-    let several = Several {
-        meshes,
-        count,
-        positions,
-        forces,
-        total,
-    };
-    // SAFETY: the caller keeps the contract of this library.
-    unsafe {
-        guarded(error, |call| {
-            repulsion(call, &several, [modulus, range], periods, energy, threads)
-        })
-    }
-}
-
-/// Twin of hf_repulsion in f32.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn hf_repulsion_f32(
-    meshes: *const *const Mesh,
-    count: usize,
-    positions: *const [f32; 3],
-    forces: *mut [f32; 3],
-    total: usize,
-    modulus: f32,
-    range: f32,
-    periods: *const [f32; 3],
-    energy: *mut f32,
-    threads: usize,
-    error: *mut Error,
-) -> Status {
-    let several = Several {
-        meshes,
-        count,
-        positions,
-        forces,
-        total,
-    };
-    // SAFETY: the caller keeps the contract of this library.
-    unsafe {
-        guarded(error, |call| {
-            repulsion(call, &several, [modulus, range], periods, energy, threads)
-        })
+twins! {
+    /// Sets `forces` to the nodal forces of a short-range repulsion of `count` surfaces from each other, and `*energy` to
+    /// its energy, unless it is NULL.
+    ///
+    /// The energy is ½ Σ A w(d), summed over the vertices with their areas A and distances d from each other surface,
+    /// with w(d) = k r²/4 (1 − s²)³/s², s = d/r for d < r, and 0 beyond. Fails with HF_STATUS_UNDEFINED where surfaces
+    /// touch: it has no bound there. `modulus` is k, an energy per area squared, and `range` r. `positions` and
+    /// `forces` have the rows of all surfaces one after the other, `total` in all; a mesh may be given several times.
+    /// `periods` are the lengths of a periodic box along its three axes, at least the range or 0 for those that are not
+    /// periodic, or NULL: in a box surfaces are repelled by all images, also of themselves. Evaluations run on up to
+    /// `threads` threads, 0 for all; no result depends on their number.
+    fn hf_repulsion, hf_repulsion_f32<$N>(
+        meshes: *const *const Mesh, count: usize, positions: *const [$N; 3], forces: *mut [$N; 3],
+        total: usize, modulus: $N, range: $N, periods: *const [$N; 3], energy: *mut $N,
+        threads: usize,
+    ) |call| {
+        let several = Several { meshes, count, positions, forces, total };
+        repulsion(call, &several, [modulus, range], periods, energy, threads)
     }
 }

@@ -19,6 +19,9 @@
     reason = "one contract for all functions: see the head of this file"
 )]
 
+#[macro_use]
+mod twins;
+
 mod call;
 mod number;
 

@@ -1,9 +1,9 @@
 //! Many membranes at once, on several threads.
 
-use crate::call::{Call, finite, finite_sum, guarded};
+use crate::call::{Call, finite, finite_sum};
 use crate::membrane::{Membrane, threads};
 use crate::number::Number;
-use crate::status::{Error, Failure, Outcome, Status};
+use crate::status::{Failure, Outcome};
 use helfrich_std::execute::in_parts;
 use std::sync::{Mutex, PoisonError};
 
@@ -83,49 +83,15 @@ fn forces<N: Number + Send + Sync>(
     }
 }
 
-/// Evaluates many membranes on up to `threads` threads, 0 for all: nodal forces and energies, as by
-/// hf_membrane_force of each, to the last bit.
-///
-/// `membranes` has `count` different membranes, which should have been made for one thread each. `positions` and
-/// `forces` have the rows of all membranes one after the other, `total` in all; `energies` has `count`
-/// numbers. If a membrane fails, the error is that of the first one, and the results of the others are valid.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn hf_membranes_force(
-    membranes: *const *mut Membrane,
-    count: usize,
-    positions: *const [f64; 3],
-    forces: *mut [f64; 3],
-    total: usize,
-    energies: *mut f64,
-    threads: usize,
-    error: *mut Error,
-) -> Status {
-    let membranes = (membranes, count);
-    // SAFETY: the caller keeps the contract of this library.
-    unsafe {
-        guarded(error, |call| {
-            self::forces(call, membranes, positions, forces, total, energies, threads)
-        })
-    }
-}
-
-/// Twin of hf_membranes_force in f32.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn hf_membranes_force_f32(
-    membranes: *const *mut Membrane,
-    count: usize,
-    positions: *const [f32; 3],
-    forces: *mut [f32; 3],
-    total: usize,
-    energies: *mut f32,
-    threads: usize,
-    error: *mut Error,
-) -> Status {
-    let membranes = (membranes, count);
-    // SAFETY: the caller keeps the contract of this library.
-    unsafe {
-        guarded(error, |call| {
-            self::forces(call, membranes, positions, forces, total, energies, threads)
-        })
-    }
+twins! {
+    /// Evaluates many membranes on up to `threads` threads, 0 for all: nodal forces and energies, as by
+    /// hf_membrane_force of each, to the last bit.
+    ///
+    /// `membranes` has `count` different membranes, which should have been made for one thread each. `positions` and
+    /// `forces` have the rows of all membranes one after the other, `total` in all; `energies` has `count`
+    /// numbers. If a membrane fails, the error is that of the first one, and the results of the others are valid.
+    fn hf_membranes_force, hf_membranes_force_f32<$N>(
+        membranes: *const *mut Membrane, count: usize, positions: *const [$N; 3],
+        forces: *mut [$N; 3], total: usize, energies: *mut $N, threads: usize,
+    ) |call| self::forces(call, (membranes, count), positions, forces, total, energies, threads)
 }

@@ -1,10 +1,10 @@
 //! Curvatures with error bars.
 
-use crate::call::{Call, guarded, surface};
+use crate::call::{Call, surface};
 use crate::membrane::threads;
 use crate::mesh::Mesh;
 use crate::number::Number;
-use crate::status::{Error, Failure, Outcome, Status};
+use crate::status::{Failure, Outcome};
 use helfrich::{AdaptiveJet, Estimate, Measured as Vertex, Verdict};
 use helfrich_std::execute::with_threads;
 use helfrich_std::noise::measured;
@@ -132,46 +132,14 @@ fn measure<N: Number>(
     Ok(())
 }
 
-/// Measures curvatures with error bars, by jets that choose their degree and neighbours from the noise at each
-/// vertex, on up to `threads` threads, 0 for all.
-///
-/// `positions` has `count` rows of three. `deviation` is the known standard deviation of positions along the
-/// normal, a length, or 0: noise is estimated in either case. Sets the arrays of `results`.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn hf_measure(
-    mesh: *const Mesh,
-    positions: *const [f64; 3],
-    count: usize,
-    deviation: f64,
-    threads: usize,
-    results: *const Measured<f64>,
-    error: *mut Error,
-) -> Status {
-    let at = (positions, count);
-    // SAFETY: the caller keeps the contract of this library.
-    unsafe {
-        guarded(error, |call| {
-            measure(call, mesh, at, deviation, threads, results)
-        })
-    }
-}
-
-/// Twin of hf_measure in f32.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn hf_measure_f32(
-    mesh: *const Mesh,
-    positions: *const [f32; 3],
-    count: usize,
-    deviation: f64,
-    threads: usize,
-    results: *const Measured<f32>,
-    error: *mut Error,
-) -> Status {
-    let at = (positions, count);
-    // SAFETY: the caller keeps the contract of this library.
-    unsafe {
-        guarded(error, |call| {
-            measure(call, mesh, at, deviation, threads, results)
-        })
-    }
+twins! {
+    /// Measures curvatures with error bars, by jets that choose their degree and neighbours from the noise at each
+    /// vertex, on up to `threads` threads, 0 for all.
+    ///
+    /// `positions` has `count` rows of three. `deviation` is the known standard deviation of positions along the
+    /// normal, a length, or 0: noise is estimated in either case. Sets the arrays of `results`.
+    fn hf_measure, hf_measure_f32<$N>(
+        mesh: *const Mesh, positions: *const [$N; 3], count: usize, deviation: f64, threads: usize,
+        results: *const Measured<$N>,
+    ) |call| measure(call, mesh, (positions, count), deviation, threads, results)
 }

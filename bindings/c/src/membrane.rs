@@ -131,58 +131,22 @@ fn new<N: Number>(
     call.give("membrane", membrane, made)
 }
 
-/// Makes a membrane: a mesh and the effects that act on it.
-///
-/// `effects` is TOML with the keys that effects have in a scene, one or more of those that hf_effect_name
-/// lists: `bending = { method = "j6", modulus = 1.0 }`. docs/SCENES.md describes them. Numbers have no units: they
-/// are in those of the caller. The `count` rows of `reference` are the positions at which effects are free of
-/// stress, and where initial areas and volumes are measured. `values` are `value_count` material parameters for
-/// `{ column = "name" }`; NULL with 0. Evaluations run on up to `threads` threads, 0 for all; no result
-/// depends on their number.
-///
-/// On success `*membrane` is a new membrane, which hf_membrane_free frees. Fails with
-/// HF_STATUS_INVALID_EFFECTS if the text is wrong; the message names the line and what would be right.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn hf_membrane_new(
-    mesh: *const Mesh,
-    reference: *const [f64; 3],
-    count: usize,
-    effects: *const c_char,
-    values: *const Values,
-    value_count: usize,
-    threads: usize,
-    membrane: *mut *mut Membrane,
-    error: *mut Error,
-) -> Status {
-    let (reference, values) = ((reference, count), (values, value_count));
-    // SAFETY: the caller keeps the contract of this library.
-    unsafe {
-        guarded(error, |call| {
-            new(call, mesh, reference, effects, values, threads, membrane)
-        })
-    }
-}
-
-/// Twin of hf_membrane_new with the reference in f32.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn hf_membrane_new_f32(
-    mesh: *const Mesh,
-    reference: *const [f32; 3],
-    count: usize,
-    effects: *const c_char,
-    values: *const Values,
-    value_count: usize,
-    threads: usize,
-    membrane: *mut *mut Membrane,
-    error: *mut Error,
-) -> Status {
-    let (reference, values) = ((reference, count), (values, value_count));
-    // SAFETY: the caller keeps the contract of this library.
-    unsafe {
-        guarded(error, |call| {
-            new(call, mesh, reference, effects, values, threads, membrane)
-        })
-    }
+twins! {
+    /// Makes a membrane: a mesh and the effects that act on it.
+    ///
+    /// `effects` is TOML with the keys that effects have in a scene, one or more of those that hf_effect_name
+    /// lists: `bending = { method = "j6", modulus = 1.0 }`. docs/SCENES.md describes them. Numbers have no units: they
+    /// are in those of the caller. The `count` rows of `reference` are the positions at which effects are free of
+    /// stress, and where initial areas and volumes are measured. `values` are `value_count` material parameters for
+    /// `{ column = "name" }`; NULL with 0. Evaluations run on up to `threads` threads, 0 for all; no result
+    /// depends on their number.
+    ///
+    /// On success `*membrane` is a new membrane, which hf_membrane_free frees. Fails with
+    /// HF_STATUS_INVALID_EFFECTS if the text is wrong; the message names the line and what would be right.
+    fn hf_membrane_new, hf_membrane_new_f32<$N>(
+        mesh: *const Mesh, reference: *const [$N; 3], count: usize, effects: *const c_char,
+        values: *const Values, value_count: usize, threads: usize, membrane: *mut *mut Membrane,
+    ) |call| new(call, mesh, (reference, count), effects, (values, value_count), threads, membrane)
 }
 
 /// Frees a membrane; NULL is ignored.
@@ -255,43 +219,16 @@ fn energy<N: Number>(
     Ok(())
 }
 
-/// Sets `*energy` to the sum of the energies of all effects at these positions.
-///
-/// For bending by a method in strong form it is the quadrature `2κ Σ (H − H0)² A`, whose gradient is not the
-/// force. For bending by kantor-nelson it is `2 ∫ κ (H² − ⅔ K) dS`, 8πκ/3 for a sphere. On an open mesh the energy
-/// of bending leaves out about half a row of triangles at the boundary, as hf_membrane_warnings says. Fails with
-/// HF_STATUS_UNDEFINED if the energy is not finite.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn hf_membrane_energy(
-    membrane: *mut Membrane,
-    positions: *const [f64; 3],
-    count: usize,
-    energy: *mut f64,
-    error: *mut Error,
-) -> Status {
-    // SAFETY: the caller keeps the contract of this library.
-    unsafe {
-        guarded(error, |call| {
-            self::energy(call, membrane, positions, count, energy)
-        })
-    }
-}
-
-/// Twin of hf_membrane_energy in f32.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn hf_membrane_energy_f32(
-    membrane: *mut Membrane,
-    positions: *const [f32; 3],
-    count: usize,
-    energy: *mut f32,
-    error: *mut Error,
-) -> Status {
-    // SAFETY: the caller keeps the contract of this library.
-    unsafe {
-        guarded(error, |call| {
-            self::energy(call, membrane, positions, count, energy)
-        })
-    }
+twins! {
+    /// Sets `*energy` to the sum of the energies of all effects at these positions.
+    ///
+    /// For bending by a method in strong form it is the quadrature `2κ Σ (H − H0)² A`, whose gradient is not the
+    /// force. For bending by kantor-nelson it is `2 ∫ κ (H² − ⅔ K) dS`, 8πκ/3 for a sphere. On an open mesh the energy
+    /// of bending leaves out about half a row of triangles at the boundary, as hf_membrane_warnings says. Fails with
+    /// HF_STATUS_UNDEFINED if the energy is not finite.
+    fn hf_membrane_energy, hf_membrane_energy_f32<$N>(
+        membrane: *mut Membrane, positions: *const [$N; 3], count: usize, energy: *mut $N,
+    ) |call| self::energy(call, membrane, positions, count, energy)
 }
 
 fn force<N: Number>(
@@ -314,45 +251,17 @@ fn force<N: Number>(
     Ok(())
 }
 
-/// Sets `force`, `count` rows of three, to the nodal forces −∂E/∂x of all effects, and `*energy` to their
-/// energy unless it is NULL.
-///
-/// Nodal forces are in units of force. Forces of bending by a method in strong form are its force density times
-/// the area of the vertex, without net force and torque. Quantities that are held exactly exert no force:
-/// see hf_membrane_constraint_gradients. Fails with HF_STATUS_UNDEFINED if a force is not finite.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn hf_membrane_force(
-    membrane: *mut Membrane,
-    positions: *const [f64; 3],
-    count: usize,
-    force: *mut [f64; 3],
-    energy: *mut f64,
-    error: *mut Error,
-) -> Status {
-    // SAFETY: the caller keeps the contract of this library.
-    unsafe {
-        guarded(error, |call| {
-            self::force(call, membrane, positions, count, force, energy)
-        })
-    }
-}
-
-/// Twin of hf_membrane_force in f32.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn hf_membrane_force_f32(
-    membrane: *mut Membrane,
-    positions: *const [f32; 3],
-    count: usize,
-    force: *mut [f32; 3],
-    energy: *mut f32,
-    error: *mut Error,
-) -> Status {
-    // SAFETY: the caller keeps the contract of this library.
-    unsafe {
-        guarded(error, |call| {
-            self::force(call, membrane, positions, count, force, energy)
-        })
-    }
+twins! {
+    /// Sets `force`, `count` rows of three, to the nodal forces −∂E/∂x of all effects, and `*energy` to their
+    /// energy unless it is NULL.
+    ///
+    /// Nodal forces are in units of force. Forces of bending by a method in strong form are its force density times
+    /// the area of the vertex, without net force and torque. Quantities that are held exactly exert no force:
+    /// see hf_membrane_constraint_gradients. Fails with HF_STATUS_UNDEFINED if a force is not finite.
+    fn hf_membrane_force, hf_membrane_force_f32<$N>(
+        membrane: *mut Membrane, positions: *const [$N; 3], count: usize, force: *mut [$N; 3],
+        energy: *mut $N,
+    ) |call| self::force(call, membrane, positions, count, force, energy)
 }
 
 fn resolve<N: Number>(
@@ -394,45 +303,13 @@ fn resolve<N: Number>(
     Ok(())
 }
 
-/// Sets `energies` to the energy of each effect, and `forces` to its nodal forces: `effect_count` numbers, and
-/// `effect_count` times `count` rows of three. Either may be NULL.
-///
-/// The order is that of hf_membrane_effect_name.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn hf_membrane_effect_forces(
-    membrane: *mut Membrane,
-    positions: *const [f64; 3],
-    count: usize,
-    energies: *mut f64,
-    forces: *mut [f64; 3],
-    effect_count: usize,
-    error: *mut Error,
-) -> Status {
-    let at = (positions, count);
-    // SAFETY: the caller keeps the contract of this library.
-    unsafe {
-        guarded(error, |call| {
-            resolve(call, membrane, at, energies, forces, effect_count)
-        })
-    }
-}
-
-/// Twin of hf_membrane_effect_forces in f32.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn hf_membrane_effect_forces_f32(
-    membrane: *mut Membrane,
-    positions: *const [f32; 3],
-    count: usize,
-    energies: *mut f32,
-    forces: *mut [f32; 3],
-    effect_count: usize,
-    error: *mut Error,
-) -> Status {
-    let at = (positions, count);
-    // SAFETY: the caller keeps the contract of this library.
-    unsafe {
-        guarded(error, |call| {
-            resolve(call, membrane, at, energies, forces, effect_count)
-        })
-    }
+twins! {
+    /// Sets `energies` to the energy of each effect, and `forces` to its nodal forces: `effect_count` numbers, and
+    /// `effect_count` times `count` rows of three. Either may be NULL.
+    ///
+    /// The order is that of hf_membrane_effect_name.
+    fn hf_membrane_effect_forces, hf_membrane_effect_forces_f32<$N>(
+        membrane: *mut Membrane, positions: *const [$N; 3], count: usize, energies: *mut $N,
+        forces: *mut [$N; 3], effect_count: usize,
+    ) |call| resolve(call, membrane, (positions, count), energies, forces, effect_count)
 }

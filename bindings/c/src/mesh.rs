@@ -137,30 +137,13 @@ fn positions<N: Number>(
     Ok(())
 }
 
-/// Sets `positions`, `count` rows of three, to the positions in the mesh's file, in its unit of length.
-///
-/// Fails with HF_STATUS_UNDEFINED for meshes that are not from a file.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn hf_mesh_positions(
-    mesh: *const Mesh,
-    positions: *mut [f64; 3],
-    count: usize,
-    error: *mut Error,
-) -> Status {
-    // SAFETY: the caller keeps the contract of this library.
-    unsafe { guarded(error, |call| self::positions(call, mesh, positions, count)) }
-}
-
-/// Twin of hf_mesh_positions in f32.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn hf_mesh_positions_f32(
-    mesh: *const Mesh,
-    positions: *mut [f32; 3],
-    count: usize,
-    error: *mut Error,
-) -> Status {
-    // SAFETY: the caller keeps the contract of this library.
-    unsafe { guarded(error, |call| self::positions(call, mesh, positions, count)) }
+twins! {
+    /// Sets `positions`, `count` rows of three, to the positions in the mesh's file, in its unit of length.
+    ///
+    /// Fails with HF_STATUS_UNDEFINED for meshes that are not from a file.
+    fn hf_mesh_positions, hf_mesh_positions_f32<$N>(
+        mesh: *const Mesh, positions: *mut [$N; 3], count: usize,
+    ) |call| self::positions(call, mesh, positions, count)
 }
 
 fn size<N: Number>(
@@ -183,75 +166,17 @@ fn size<N: Number>(
     Ok(())
 }
 
-/// Sets `*area` to the area of a surface, length².
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn hf_area(
-    mesh: *const Mesh,
-    positions: *const [f64; 3],
-    count: usize,
-    area: *mut f64,
-    error: *mut Error,
-) -> Status {
-    let of = |surface: Surface<'_, f64>| Some(surface.area());
-    // SAFETY: the caller keeps the contract of this library.
-    unsafe {
-        guarded(error, |call| {
-            size(call, mesh, positions, count, ("area", area), of)
-        })
-    }
+twins! {
+    /// Sets `*area` to the area of a surface, length².
+    fn hf_area, hf_area_f32<$N>(
+        mesh: *const Mesh, positions: *const [$N; 3], count: usize, area: *mut $N,
+    ) |call| size(call, mesh, positions, count, ("area", area), |at| Some(at.area()))
 }
 
-/// Twin of hf_area in f32.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn hf_area_f32(
-    mesh: *const Mesh,
-    positions: *const [f32; 3],
-    count: usize,
-    area: *mut f32,
-    error: *mut Error,
-) -> Status {
-    let of = |surface: Surface<'_, f64>| Some(surface.area());
-    // SAFETY: the caller keeps the contract of this library.
-    unsafe {
-        guarded(error, |call| {
-            size(call, mesh, positions, count, ("area", area), of)
-        })
-    }
-}
-
-/// Sets `*volume` to the enclosed volume, length³: positive if triangles run counter-clockwise seen from
-/// outside. Fails with HF_STATUS_UNDEFINED for open surfaces.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn hf_volume(
-    mesh: *const Mesh,
-    positions: *const [f64; 3],
-    count: usize,
-    volume: *mut f64,
-    error: *mut Error,
-) -> Status {
-    let of = |surface: Surface<'_, f64>| surface.volume();
-    // SAFETY: the caller keeps the contract of this library.
-    unsafe {
-        guarded(error, |call| {
-            size(call, mesh, positions, count, ("volume", volume), of)
-        })
-    }
-}
-
-/// Twin of hf_volume in f32.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn hf_volume_f32(
-    mesh: *const Mesh,
-    positions: *const [f32; 3],
-    count: usize,
-    volume: *mut f32,
-    error: *mut Error,
-) -> Status {
-    let of = |surface: Surface<'_, f64>| surface.volume();
-    // SAFETY: the caller keeps the contract of this library.
-    unsafe {
-        guarded(error, |call| {
-            size(call, mesh, positions, count, ("volume", volume), of)
-        })
-    }
+twins! {
+    /// Sets `*volume` to the enclosed volume, length³: positive if triangles run counter-clockwise seen from
+    /// outside. Fails with HF_STATUS_UNDEFINED for open surfaces.
+    fn hf_volume, hf_volume_f32<$N>(
+        mesh: *const Mesh, positions: *const [$N; 3], count: usize, volume: *mut $N,
+    ) |call| size(call, mesh, positions, count, ("volume", volume), |at| at.volume())
 }

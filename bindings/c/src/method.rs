@@ -212,36 +212,9 @@ fn fields<N: Number>(
     Ok(())
 }
 
-/// Evaluates a method at positions, `count` rows of three, and sets the arrays of `fields`.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn hf_method_fields(
-    method: *mut Method,
-    positions: *const [f64; 3],
-    count: usize,
-    fields: *const Fields<f64>,
-    error: *mut Error,
-) -> Status {
-    // SAFETY: the caller keeps the contract of this library.
-    unsafe {
-        guarded(error, |call| {
-            self::fields(call, method, positions, count, fields)
-        })
-    }
-}
-
-/// Twin of hf_method_fields in f32.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn hf_method_fields_f32(
-    method: *mut Method,
-    positions: *const [f32; 3],
-    count: usize,
-    fields: *const Fields<f32>,
-    error: *mut Error,
-) -> Status {
-    // SAFETY: the caller keeps the contract of this library.
-    unsafe {
-        guarded(error, |call| {
-            self::fields(call, method, positions, count, fields)
-        })
-    }
+twins! {
+    /// Evaluates a method at positions, `count` rows of three, and sets the arrays of `fields`.
+    fn hf_method_fields, hf_method_fields_f32<$N>(
+        method: *mut Method, positions: *const [$N; 3], count: usize, fields: *const Fields<$N>,
+    ) |call| self::fields(call, method, positions, count, fields)
 }

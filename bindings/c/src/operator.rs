@@ -1,9 +1,9 @@
 //! Matrices of linear finite elements, and gradients.
 
-use crate::call::{Call, finite, guarded, surface};
+use crate::call::{Call, finite, surface};
 use crate::mesh::Mesh;
 use crate::number::Number;
-use crate::status::{Error, Failure, Outcome, Status};
+use crate::status::{Failure, Outcome};
 use helfrich::{Cotangent, DualArea, SparseMatrix, Surface, TriangleMesh};
 use helfrich_std::execute::Parallel;
 use helfrich_std::method::MethodOptions;
@@ -63,114 +63,32 @@ fn mass(surface: Surface<'_, f64>) -> SparseMatrix<f64> {
     Cotangent::new(DualArea::Mixed).mass(surface)
 }
 
-/// Sets a matrix to the stiffness S_ij = ∫ ∇λ_i·∇λ_j dS of linear finite elements: symmetric, positive
-/// semi-definite, dimensionless. −Δ_S φ is S φ divided by the areas of hf_vertex_areas.
-///
-/// The matrix is in compressed rows: row i has the entries `offsets[i]` to `offsets[i + 1]`, excluded, of
-/// `columns` and `values`, columns in increasing order. `offsets` has a number for each of `count` vertices and one
-/// more; `columns` and `values` have `entries` numbers, as many as hf_mesh_entry_count says. The pattern depends
-/// on the mesh alone.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn hf_stiffness(
-    mesh: *const Mesh,
-    positions: *const [f64; 3],
-    count: usize,
-    offsets: *mut usize,
-    columns: *mut usize,
-    values: *mut f64,
-    entries: usize,
-    error: *mut Error,
-) -> Status {
-    let rows = Rows {
-        offsets,
-        columns,
-        values,
-        entries,
-    };
-    // SAFETY: the caller keeps the contract of this library.
-    unsafe {
-        guarded(error, |call| {
-            matrix(call, mesh, (positions, count), &rows, stiffness)
-        })
+twins! {
+    /// Sets a matrix to the stiffness S_ij = ∫ ∇λ_i·∇λ_j dS of linear finite elements: symmetric, positive
+    /// semi-definite, dimensionless. −Δ_S φ is S φ divided by the areas of hf_vertex_areas.
+    ///
+    /// The matrix is in compressed rows: row i has the entries `offsets[i]` to `offsets[i + 1]`, excluded, of
+    /// `columns` and `values`, columns in increasing order. `offsets` has a number for each of `count` vertices and one
+    /// more; `columns` and `values` have `entries` numbers, as many as hf_mesh_entry_count says. The pattern depends
+    /// on the mesh alone.
+    fn hf_stiffness, hf_stiffness_f32<$N>(
+        mesh: *const Mesh, positions: *const [$N; 3], count: usize, offsets: *mut usize,
+        columns: *mut usize, values: *mut $N, entries: usize,
+    ) |call| {
+        let rows = Rows { offsets, columns, values, entries };
+        matrix(call, mesh, (positions, count), &rows, stiffness)
     }
 }
 
-/// Twin of hf_stiffness in f32.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn hf_stiffness_f32(
-    mesh: *const Mesh,
-    positions: *const [f32; 3],
-    count: usize,
-    offsets: *mut usize,
-    columns: *mut usize,
-    values: *mut f32,
-    entries: usize,
-    error: *mut Error,
-) -> Status {
-    let rows = Rows {
-        offsets,
-        columns,
-        values,
-        entries,
-    };
-    // SAFETY: the caller keeps the contract of this library.
-    unsafe {
-        guarded(error, |call| {
-            matrix(call, mesh, (positions, count), &rows, stiffness)
-        })
-    }
-}
-
-/// Sets a matrix to the consistent mass M_ij = ∫ λ_i λ_j dS, length², with the pattern of hf_stiffness:
-/// positive definite, and all entries together are the area.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn hf_mass(
-    mesh: *const Mesh,
-    positions: *const [f64; 3],
-    count: usize,
-    offsets: *mut usize,
-    columns: *mut usize,
-    values: *mut f64,
-    entries: usize,
-    error: *mut Error,
-) -> Status {
-    let rows = Rows {
-        offsets,
-        columns,
-        values,
-        entries,
-    };
-    // SAFETY: the caller keeps the contract of this library.
-    unsafe {
-        guarded(error, |call| {
-            matrix(call, mesh, (positions, count), &rows, mass)
-        })
-    }
-}
-
-/// Twin of hf_mass in f32.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn hf_mass_f32(
-    mesh: *const Mesh,
-    positions: *const [f32; 3],
-    count: usize,
-    offsets: *mut usize,
-    columns: *mut usize,
-    values: *mut f32,
-    entries: usize,
-    error: *mut Error,
-) -> Status {
-    let rows = Rows {
-        offsets,
-        columns,
-        values,
-        entries,
-    };
-    // SAFETY: the caller keeps the contract of this library.
-    unsafe {
-        guarded(error, |call| {
-            matrix(call, mesh, (positions, count), &rows, mass)
-        })
+twins! {
+    /// Sets a matrix to the consistent mass M_ij = ∫ λ_i λ_j dS, length², with the pattern of hf_stiffness:
+    /// positive definite, and all entries together are the area.
+    fn hf_mass, hf_mass_f32<$N>(
+        mesh: *const Mesh, positions: *const [$N; 3], count: usize, offsets: *mut usize,
+        columns: *mut usize, values: *mut $N, entries: usize,
+    ) |call| {
+        let rows = Rows { offsets, columns, values, entries };
+        matrix(call, mesh, (positions, count), &rows, mass)
     }
 }
 
@@ -193,44 +111,14 @@ fn areas<N: Number>(
     finite("areas", "vertex", areas.as_flattened().iter().copied(), 1)
 }
 
-/// Sets `areas` to the areas of the vertices, length², the diagonal of the lumped mass matrix.
-///
-/// `kind` is "mixed", "voronoi" or "barycentric".
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn hf_vertex_areas(
-    mesh: *const Mesh,
-    positions: *const [f64; 3],
-    count: usize,
-    kind: *const c_char,
-    areas: *mut f64,
-    error: *mut Error,
-) -> Status {
-    let at = (positions, count);
-    // SAFETY: the caller keeps the contract of this library.
-    unsafe {
-        guarded(error, |call| {
-            self::areas(call, mesh, at, kind, areas.cast())
-        })
-    }
-}
-
-/// Twin of hf_vertex_areas in f32.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn hf_vertex_areas_f32(
-    mesh: *const Mesh,
-    positions: *const [f32; 3],
-    count: usize,
-    kind: *const c_char,
-    areas: *mut f32,
-    error: *mut Error,
-) -> Status {
-    let at = (positions, count);
-    // SAFETY: the caller keeps the contract of this library.
-    unsafe {
-        guarded(error, |call| {
-            self::areas(call, mesh, at, kind, areas.cast())
-        })
-    }
+twins! {
+    /// Sets `areas` to the areas of the vertices, length², the diagonal of the lumped mass matrix.
+    ///
+    /// `kind` is "mixed", "voronoi" or "barycentric".
+    fn hf_vertex_areas, hf_vertex_areas_f32<$N>(
+        mesh: *const Mesh, positions: *const [$N; 3], count: usize, kind: *const c_char,
+        areas: *mut $N,
+    ) |call| self::areas(call, mesh, (positions, count), kind, areas.cast())
 }
 
 fn gradient<N: Number>(
@@ -263,43 +151,11 @@ fn gradient<N: Number>(
     )
 }
 
-/// Sets `gradient`, `triangle_count` rows of three, to the surface gradient of a field with a number for each of
-/// `count` vertices: one tangential vector for each triangle, in the unit of the field divided by length.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn hf_gradient(
-    mesh: *const Mesh,
-    positions: *const [f64; 3],
-    count: usize,
-    field: *const f64,
-    gradient: *mut [f64; 3],
-    triangle_count: usize,
-    error: *mut Error,
-) -> Status {
-    let at = (positions, count);
-    // SAFETY: the caller keeps the contract of this library.
-    unsafe {
-        guarded(error, |call| {
-            self::gradient(call, mesh, at, field.cast(), gradient, triangle_count)
-        })
-    }
-}
-
-/// Twin of hf_gradient in f32.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn hf_gradient_f32(
-    mesh: *const Mesh,
-    positions: *const [f32; 3],
-    count: usize,
-    field: *const f32,
-    gradient: *mut [f32; 3],
-    triangle_count: usize,
-    error: *mut Error,
-) -> Status {
-    let at = (positions, count);
-    // SAFETY: the caller keeps the contract of this library.
-    unsafe {
-        guarded(error, |call| {
-            self::gradient(call, mesh, at, field.cast(), gradient, triangle_count)
-        })
-    }
+twins! {
+    /// Sets `gradient`, `triangle_count` rows of three, to the surface gradient of a field with a number for each of
+    /// `count` vertices: one tangential vector for each triangle, in the unit of the field divided by length.
+    fn hf_gradient, hf_gradient_f32<$N>(
+        mesh: *const Mesh, positions: *const [$N; 3], count: usize, field: *const $N,
+        gradient: *mut [$N; 3], triangle_count: usize,
+    ) |call| self::gradient(call, mesh, (positions, count), field.cast(), gradient, triangle_count)
 }

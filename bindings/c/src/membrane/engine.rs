@@ -1,9 +1,9 @@
 //! Membranes whose vertices are among those of an engine.
 
 use super::Membrane;
-use crate::call::{Call, finite, finite_sum, guarded, of_vertices};
+use crate::call::{Call, finite, finite_sum, of_vertices};
 use crate::number::Number;
-use crate::status::{Error, Failure, Outcome, Status};
+use crate::status::{Failure, Outcome, Status};
 
 /// Arrays of an engine that has more vertices than those of one membrane.
 struct Engine<N> {
@@ -58,58 +58,19 @@ fn add_force_at<N: Number>(
     Ok(())
 }
 
-/// Adds the nodal forces of a membrane whose vertices are scattered in larger arrays of an engine.
-///
-/// The position of vertex i is row `places[i]` of `positions`, which has `total` rows; `places` has `count`
-/// entries, one for each vertex. Forces are added to the `owned` first rows of `force`, and left out at places
-/// beyond, those of ghosts: where several ranks have all vertices of a membrane as owned or ghost ones, each
-/// evaluates it and keeps its own share, and no forces are sent. Ghosts have to be unwrapped images, near
-/// their neighbours. `*energy` is set to the energy of the whole membrane unless it is NULL.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn hf_membrane_add_force_at(
-    membrane: *mut Membrane,
-    places: *const u32,
-    count: usize,
-    positions: *const [f64; 3],
-    total: usize,
-    owned: usize,
-    force: *mut [f64; 3],
-    energy: *mut f64,
-    error: *mut Error,
-) -> Status {
-    let engine = Engine {
-        places,
-        count,
-        positions,
-        total,
-        owned,
-        force,
-    };
-    // SAFETY: the caller keeps the contract of this library.
-    unsafe { guarded(error, |call| add_force_at(call, membrane, &engine, energy)) }
-}
-
-/// Twin of hf_membrane_add_force_at in f32.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn hf_membrane_add_force_at_f32(
-    membrane: *mut Membrane,
-    places: *const u32,
-    count: usize,
-    positions: *const [f32; 3],
-    total: usize,
-    owned: usize,
-    force: *mut [f32; 3],
-    energy: *mut f32,
-    error: *mut Error,
-) -> Status {
-    let engine = Engine {
-        places,
-        count,
-        positions,
-        total,
-        owned,
-        force,
-    };
-    // SAFETY: the caller keeps the contract of this library.
-    unsafe { guarded(error, |call| add_force_at(call, membrane, &engine, energy)) }
+twins! {
+    /// Adds the nodal forces of a membrane whose vertices are scattered in larger arrays of an engine.
+    ///
+    /// The position of vertex i is row `places[i]` of `positions`, which has `total` rows; `places` has `count`
+    /// entries, one for each vertex. Forces are added to the `owned` first rows of `force`, and left out at places
+    /// beyond, those of ghosts: where several ranks have all vertices of a membrane as owned or ghost ones, each
+    /// evaluates it and keeps its own share, and no forces are sent. Ghosts have to be unwrapped images, near
+    /// their neighbours. `*energy` is set to the energy of the whole membrane unless it is NULL.
+    fn hf_membrane_add_force_at, hf_membrane_add_force_at_f32<$N>(
+        membrane: *mut Membrane, places: *const u32, count: usize, positions: *const [$N; 3],
+        total: usize, owned: usize, force: *mut [$N; 3], energy: *mut $N,
+    ) |call| {
+        let engine = Engine { places, count, positions, total, owned, force };
+        add_force_at(call, membrane, &engine, energy)
+    }
 }
