@@ -226,12 +226,13 @@ impl<T: Real, F: Functional<T>> Constraints<T, F> {
         }
     }
 
-    /// Sets the gradients on the surface that was measured last.
+    /// Sets the gradients on a surface, which may be the one that was measured last.
     fn differentiate(
         &self,
         execution: &impl Execution,
         surface: Surface<'_, T>,
         memory: &mut ConstraintsMemory<T, Workspace<T, F>>,
+        is_measured: bool,
     ) {
         let vertices = surface.mesh().vertex_count();
         let count = self.constraints.len();
@@ -242,7 +243,11 @@ impl<T: Real, F: Functional<T>> Constraints<T, F> {
         for (k, constraint) in self.constraints.iter().enumerate() {
             let gradient = &mut memory.gradients[k * vertices..(k + 1) * vertices];
             let (functional, own) = (&constraint.functional, &mut memory.functionals[k]);
-            functional.add_measured_gradient(execution, surface, own, ones, gradient);
+            if is_measured {
+                functional.add_measured_gradient(execution, surface, own, ones, gradient);
+            } else {
+                functional.add_gradient(execution, surface, own, ones, gradient);
+            }
         }
     }
 
@@ -304,7 +309,7 @@ impl<T: Real, F: Functional<T>> Constraints<T, F> {
                 return Ok(Correction { steps, residual });
             }
 
-            self.differentiate(execution, surface, memory);
+            self.differentiate(execution, surface, memory, true);
             memory.multipliers.clear();
             memory.multipliers.resize(count * components, T::zero());
             worst = Worst::default();
@@ -439,7 +444,7 @@ impl<T: Real, F: Functional<T>> Constraints<T, F> {
         field: &mut [[T; 3]],
     ) {
         let memory = workspace.for_mesh_mut(surface.mesh());
-        self.differentiate(execution, surface, memory);
+        self.differentiate(execution, surface, memory, false);
         let count = self.constraints.len();
         let all = surface.mesh().vertex_count();
         let field = &mut field[..all];
