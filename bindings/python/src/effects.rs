@@ -4,12 +4,13 @@ use crate::arrays::{Numbers, Positions, checked, made_ready};
 use crate::curvature::Chosen;
 use crate::failure::{Fault, invalid};
 use helfrich::{
-    AnyFunctional, AreaDifference, BorderTension, Components, Constraint, GaussianBending,
-    GaussianDomains, GompperKroll, Gravity, InPlane, LineTension, LocalArea, MaterialParameter,
-    Method, NeoHookean, OsmoticPressure, Penalty, PointLoads, Reordering, Skalak, StrainEnergy,
-    Surface, SurfaceTension, Targets, TriangleMesh, WallAdhesion,
+    AnyFunctional, BorderTension, Components, GaussianBending, GaussianDomains, GompperKroll,
+    Gravity, InPlane, LineTension, LocalArea, MaterialParameter, Method, NeoHookean,
+    OsmoticPressure, PointLoads, Reordering, Skalak, StrainEnergy, Surface, SurfaceTension,
+    Targets, TriangleMesh, WallAdhesion,
 };
-use helfrich_std::effect::{CompiledPotential, Effect, Lumping};
+use helfrich_std::effect::{CompiledPotential, Effect, Lumping, Part, in_plane};
+use helfrich_std::held::Geometry;
 use helfrich_std::method::BendingMethod;
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::exceptions::PyTypeError;
@@ -22,6 +23,18 @@ pub(crate) struct Ground<'a> {
     /// The same in the order of evaluation.
     pub(crate) own: &'a TriangleMesh,
     pub(crate) order: Option<&'a Reordering>,
+    /// What stands for area and volume.
+    pub(crate) geometry: Geometry,
+}
+
+impl Ground<'_> {
+    /// Values at the vertices, in the order of evaluation.
+    fn ordered<V: Copy>(&self, values: Vec<V>) -> Vec<V> {
+        match self.order {
+            Some(order) => order.apply(&values),
+            None => values,
+        }
+    }
 }
 
 /// A parameter at the vertices of a mesh, or the same everywhere.
@@ -79,11 +92,11 @@ impl<'py> Reader<'_, 'py> {
     fn material(&self, name: &str) -> PyResult<MaterialParameter<f64>> {
         let numbers = Numbers::named(&self.get(name)?, name)?;
         let values = material(&numbers, self.ground.mesh.vertex_count(), name)?;
-        Ok(match (values, self.ground.order) {
-            (MaterialParameter::PerVertex(values), Some(order)) => {
-                MaterialParameter::PerVertex(order.apply(&values))
+        Ok(match values {
+            MaterialParameter::PerVertex(values) => {
+                MaterialParameter::PerVertex(self.ground.ordered(values))
             }
-            (values, _) => values,
+            same => same,
         })
     }
 
@@ -113,23 +126,18 @@ impl<'py> Reader<'_, 'py> {
         let positions = positions.double();
         let wrong = |fault: Fault| fault.of_argument("reference");
         Surface::new(self.ground.mesh, &positions[..]).map_err(|error| wrong(error.into()))?;
-        let positions = match self.ground.order {
-            Some(order) => order.apply(&positions),
-            None => positions.into_owned(),
-        };
-        let own = self.ground.own;
-        let reference = Surface::new(own, &positions).map_err(|error| wrong(error.into()))?;
-        let made = InPlane::new(law, own, reference);
-        Ok(made.map_err(|error| wrong(Fault::new(error)))?)
+        let positions = self.ground.ordered(positions.into_owned());
+        let reference = Surface::new(self.ground.own, &positions);
+        let reference = reference.map_err(|error| wrong(error.into()))?;
+        Ok(in_plane(law, reference, 1.0).map_err(|error| wrong(Fault::new(error)))?)
     }
 
     /// The effect of a potential whose parameters are checked.
     fn potential(&self, name: &'static str, method: impl CompiledPotential) -> PyResult<Effect> {
-        method.check().map_err(invalid)?;
-        Ok(Effect::conservative(name, method, self.ground.own))
+        Effect::conservative(name, method, self.ground.own).map_err(invalid)
     }
 
-    fn bending(&self) -> PyResult<Part> {
+    fn bending(&self) -> PyResult<Effect> {
         let method: String = checked("text", &self.get("method")?, "method")?.extract()?;
         let option = |name| checked("option", &self.get(name)?, name)?.extract::<Option<String>>();
         let (areas, bandwidth) = (option("areas")?, option("bandwidth")?);
@@ -138,8 +146,7 @@ impl<'py> Reader<'_, 'py> {
         let material = [self.material("kappa")?, self.material("H0")?];
         checked_material(method, &material)?;
         let own = self.ground.own;
-        let effect = Effect::bending("bending", method, &options, material, Lumping::Own, own);
-        Ok(Part::Bending(effect.map_err(invalid)?, method))
+        Effect::bending("bending", method, &options, material, Lumping::Own, own).map_err(invalid)
     }
 
     fn gaussian_bending(&self) -> PyResult<Effect> {
@@ -163,8 +170,7 @@ impl<'py> Reader<'_, 'py> {
         let [vertices, triangles] = [own.vertex_count(), own.triangles().len()];
         let order = self.ground.order;
         let method = if labels.len() == vertices {
-            let labels = order.map_or_else(|| labels.to_vec(), |order| order.apply(labels));
-            BorderTension::new(tension, own, &labels)
+            BorderTension::new(tension, own, &self.ground.ordered(labels.to_vec()))
         } else if labels.len() == triangles {
             let own_labels = order.map(|order| order.apply_to_triangles(labels));
             let labels = own_labels.unwrap_or_else(|| labels.to_vec());
@@ -228,53 +234,38 @@ impl<'py> Reader<'_, 'py> {
         }
         // Messages name the vertices of the user's mesh.
         PointLoads::new(self.ground.mesh, given.clone()).map_err(invalid)?;
-        let Some(order) = self.ground.order else {
-            let loads = PointLoads::new(self.ground.own, given).map_err(invalid)?;
-            return self.potential("stretching", loads);
-        };
-        let mut places = vec![0; order.vertices().len()];
-        for (place, &vertex) in order.vertices().iter().enumerate() {
-            places[vertex as usize] = place as u32;
+        if let Some(order) = self.ground.order {
+            let mut places = vec![0; order.vertices().len()];
+            for (place, &vertex) in order.vertices().iter().enumerate() {
+                places[vertex as usize] = place as u32;
+            }
+            for (vertex, _) in &mut given {
+                *vertex = places[*vertex as usize];
+            }
         }
-        let given = given.into_iter();
-        let ordered = given
-            .map(|(vertex, force)| (places[vertex as usize], force))
-            .collect();
-        let loads = PointLoads::new(self.ground.own, ordered).map_err(invalid)?;
+        let loads = PointLoads::new(self.ground.own, given).map_err(invalid)?;
         self.potential("stretching", loads)
     }
-}
 
-/// An effect that acts by its forces, or a quantity of each component that is held exactly.
-pub(crate) enum Part {
-    Acting(Effect),
-    /// Bending by a method.
-    Bending(Effect, BendingMethod),
-    Held(Constraint<f64>),
-}
-
-impl Reader<'_, '_> {
     /// A quantity that is held exactly, or whose penalty acts.
-    fn quantity(
-        &self,
-        functional: AnyFunctional,
-        penalty: impl FnOnce(f64, Targets<f64>) -> PyResult<Effect>,
-    ) -> PyResult<Part> {
+    fn quantity(&self, name: &'static str, functional: AnyFunctional) -> PyResult<Part> {
         let targets = self.targets("target")?;
         let exact: bool = checked("flag", &self.get("exact")?, "exact")?.extract()?;
-        if !exact {
-            return penalty(self.number("modulus")?, targets).map(Part::Acting);
-        }
-        if !self.get("modulus")?.is_none() {
+        if exact && !self.get("modulus")?.is_none() {
             return Err(invalid(
                 "an exact quantity has no modulus: leave one of them out",
             ));
         }
-        Ok(Part::Held(Constraint {
-            functional,
-            targets,
-        }))
+        let modulus = (!exact).then(|| self.number("modulus")).transpose()?;
+        Part::keeping(name, functional, modulus, targets, self.ground.own).map_err(invalid)
     }
+}
+
+/// The method by which a membrane bends, if this is what an object describes.
+pub(crate) fn bending_method(described: &Bound<'_, PyAny>) -> Option<BendingMethod> {
+    let class = described.get_type().name().ok()?;
+    let method = described.getattr("method").ok()?.extract::<String>().ok()?;
+    method.parse().ok().filter(|_| class == "Bending")
 }
 
 /// The part of a membrane that an object describes, ready for a mesh.
@@ -282,25 +273,16 @@ pub(crate) fn part(described: &Bound<'_, PyAny>, ground: &Ground<'_>) -> PyResul
     let reader = Reader { described, ground };
     let class = described.get_type().name()?.to_string();
     match class.as_str() {
-        "Area" => reader.quantity(AnyFunctional::Area, |modulus, targets| {
-            reader.potential("area", Penalty::new(AnyFunctional::Area, modulus, targets))
-        }),
-        "Volume" => reader.quantity(AnyFunctional::Volume, |modulus, targets| {
-            reader.potential(
-                "volume",
-                Penalty::new(AnyFunctional::Volume, modulus, targets),
-            )
-        }),
-        "AreaDifference" => reader.quantity(AnyFunctional::MeanCurvature, |modulus, targets| {
-            reader.potential("area_difference", AreaDifference::new(modulus, targets))
-        }),
-        "Bending" => reader.bending(),
+        "Area" => reader.quantity("area", ground.geometry.area),
+        "Volume" => reader.quantity("volume", ground.geometry.volume),
+        "AreaDifference" => reader.quantity("area_difference", AnyFunctional::MeanCurvature),
         _ => effect(&reader, &class).map(Part::Acting),
     }
 }
 
 fn effect(reader: &Reader<'_, '_>, class: &str) -> PyResult<Effect> {
     match class {
+        "Bending" => reader.bending(),
         "GaussianBending" => reader.gaussian_bending(),
         "NeoHookean" => {
             let shear_modulus = reader.number("shear_modulus")?;

@@ -1,11 +1,12 @@
 //! A membrane: a mesh with the effects on it, for repeated evaluation.
 
 use crate::arrays::{Positions, checked, faces, matrix, rows};
-use crate::effects::{Ground, Part, part};
+use crate::effects::{Ground, bending_method, part};
 use crate::failure::{Fault, invalid};
 use crate::work::{on_threads, prepared_for};
 use helfrich::{ConstraintError, Constraints, Method, Prepared, Quality, Surface, TriangleMesh};
-use helfrich_std::effect::Effect;
+use helfrich_std::effect::{Effect, Part};
+use helfrich_std::held::Geometry;
 use helfrich_std::method::BendingMethod;
 use helfrich_std::ordered::Ordered;
 use numpy::{
@@ -358,23 +359,20 @@ impl Membrane {
             Ok::<_, Fault>((mesh, ordered))
         });
         let (mesh, ordered) = made?;
+        let methods = Vec::from_iter(effects.iter().filter_map(|effect| bending_method(&effect)));
         let ground = Ground {
             mesh: &mesh,
             own: ordered.as_ref().map_or(&mesh, |ordered| ordered.mesh()),
             order: ordered.as_ref().map(Ordered::order),
+            geometry: Geometry::new(methods.iter().copied()),
         };
+        let mut untold = methods;
+        untold.retain(|method| !(mesh.is_closed() || method.reaches_boundary()));
         let (mut acting, mut constraints) = (Vec::new(), Vec::new());
-        let mut untold = Vec::new();
         prepared_for(threads, || {
             for described in effects {
                 match part(&described, &ground)? {
                     Part::Acting(effect) => acting.push(effect),
-                    Part::Bending(effect, method) => {
-                        acting.push(effect);
-                        if !(mesh.is_closed() || method.reaches_boundary()) {
-                            untold.push(method);
-                        }
-                    }
                     Part::Held(constraint) => constraints.push(constraint),
                 }
             }

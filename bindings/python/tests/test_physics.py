@@ -373,3 +373,16 @@ def test_energies_of_open_meshes():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         helfrich.bending_energy(*closed)
+
+
+@pytest.mark.parametrize("kind, exact", [("Area", 4 * np.pi), ("Volume", 4 * np.pi / 3)])
+def test_areas_and_volumes_beside_galerkin_are_those_of_its_patches(kind, exact):
+    V, F, _ = helfrich.shape("sphere", 642)
+    errors = []
+    for method in ("galerkin", "gompper-kroll"):
+        bending = e.Bending(method)
+        kept = helfrich.Membrane(F, bending, getattr(e, kind)(1.0, exact))
+        energy = kept.energy(V) - helfrich.Membrane(F, bending).energy(V)
+        errors.append(np.sqrt(2 * energy / exact))
+    flat = abs(getattr(helfrich.check(V, F), kind.lower()) / exact - 1)
+    assert errors[0] < 1e-2 * flat and errors[1] == pytest.approx(flat)

@@ -8,11 +8,12 @@ use crate::act::Act;
 use crate::execute::Parallel;
 use crate::method::{BendingMethod, MethodOptions, Settings, Visitor, choose};
 use helfrich::{
-    AnyFunctional, AreaDifference, BorderTension, Components, Conservative, Cotangent, Curvatures,
-    DualArea, Energy, Finding, ForceDensity, GaussianBending, GaussianDomains, Gravity, InPlane,
-    LaplaceBeltrami, LineTension, LocalArea, MaterialParameter, MembraneViscosity, Method,
-    NeoHookean, OsmoticPressure, Penalty, PointLoads, Prepared, Projected, RigidBody, Skalak,
-    StrongForm, Surface, SurfaceTension, TriangleMesh, WallAdhesion, remove_net_force_and_torque,
+    AnyFunctional, AreaDifference, BorderTension, Components, Conservative, Constraint, Cotangent,
+    Curvatures, DualArea, Energy, Finding, ForceDensity, GaussianBending, GaussianDomains, Gravity,
+    InPlane, LaplaceBeltrami, LineTension, LocalArea, MaterialParameter, MembraneViscosity, Method,
+    NeoHookean, OsmoticPressure, ParameterError, Penalty, PointLoads, Prepared, Projected,
+    ReferenceError, RigidBody, Skalak, StrainEnergy, StrongForm, Surface, SurfaceTension, Targets,
+    TriangleMesh, WallAdhesion, remove_net_force_and_torque,
 };
 use std::fmt;
 use std::time::{Duration, Instant};
@@ -39,12 +40,16 @@ pub struct Effect {
 
 impl Effect {
     /// Prepares a method whose force is the gradient of its energy.
+    ///
+    /// # Errors
+    /// If a parameter is out of its range.
     pub fn conservative(
         name: &'static str,
         method: impl CompiledPotential,
         mesh: &TriangleMesh,
-    ) -> Self {
-        Self::new(name, true, method.prepared(mesh).0)
+    ) -> Result<Self, ParameterError> {
+        method.check()?;
+        Ok(Self::new(name, true, method.prepared(mesh).0))
     }
 
     /// Prepares a bending method with this modulus κ and spontaneous curvature H0. Net force and torque are
@@ -193,6 +198,55 @@ potentials! {
     PointLoads<f64>,
     SurfaceTension<f64>,
     WallAdhesion<f64>,
+}
+
+/// A law of in-plane elasticity whose surface is free of stress at some positions, scaled by a factor.
+///
+/// # Errors
+/// If a triangle has no area there, or the factor is not positive.
+pub fn in_plane<W: StrainEnergy<f64>>(
+    law: W,
+    unstressed: Surface<'_, f64>,
+    scale: f64,
+) -> Result<InPlane<f64, W>, ReferenceError> {
+    InPlane::new(law, unstressed.mesh(), unstressed)?.with_scaled_reference(scale)
+}
+
+/// A part of a membrane.
+#[derive(Debug)]
+pub enum Part {
+    /// An effect that acts by its forces.
+    Acting(Effect),
+    /// A quantity of each component that is held exactly.
+    Held(Constraint<f64>),
+}
+
+impl Part {
+    /// Area, volume or area difference, kept at targets by a penalty with this modulus, or exactly without one.
+    ///
+    /// # Errors
+    /// If the modulus or a target is out of its range.
+    pub fn keeping(
+        name: &'static str,
+        functional: AnyFunctional,
+        modulus: Option<f64>,
+        targets: Targets<f64>,
+        mesh: &TriangleMesh,
+    ) -> Result<Self, ParameterError> {
+        let Some(modulus) = modulus else {
+            return Ok(Self::Held(Constraint {
+                functional,
+                targets,
+            }));
+        };
+        let effect = if functional == AnyFunctional::MeanCurvature {
+            Effect::conservative(name, AreaDifference::new(modulus, targets), mesh)
+        } else {
+            let penalty = Penalty::new(functional, modulus, targets);
+            Effect::conservative(name, penalty, mesh)
+        };
+        effect.map(Self::Acting)
+    }
 }
 
 /// Reason why a method cannot act.

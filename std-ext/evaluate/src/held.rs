@@ -1,11 +1,42 @@
 //! Functionals of the components of one membrane: their values, gradients, and exact constraints.
 
 use crate::execute::Parallel;
+use crate::method::BendingMethod;
 use helfrich::{
-    AnyFunctional, ConstraintError, Constraints, Correction, Functional, Prepared, Surface,
-    Targets, TriangleMesh,
+    AnyFunctional, ConstraintError, Constraints, Correction, Functional, PatchFunctional, Prepared,
+    Surface, Targets, TriangleMesh,
 };
 use std::sync::Arc;
+
+/// The functionals by which area and enclosed volume of a surface are held and reported.
+#[derive(Clone, Copy, Debug)]
+pub struct Geometry {
+    /// Of the area.
+    pub area: AnyFunctional,
+    /// Of the volume.
+    pub volume: AnyFunctional,
+}
+
+impl Geometry {
+    /// Area and volume of the patches of Galerkin's method where it is among those by which the surface bends,
+    /// otherwise those of flat triangles. These have an error of second order in the edge length, which would be
+    /// that of the equilibrium.
+    pub fn new(bending: impl IntoIterator<Item = BendingMethod>) -> Self {
+        let mut bending = bending.into_iter();
+        let [area, volume] = if bending.any(|method| method == BendingMethod::Galerkin) {
+            [PatchFunctional::Area, PatchFunctional::Volume].map(AnyFunctional::OfPatches)
+        } else {
+            [AnyFunctional::Area, AnyFunctional::Volume]
+        };
+        Self { area, volume }
+    }
+
+    /// Prepares the functionals for a mesh, unless triangles are flat.
+    pub fn of_patches(self, mesh: &TriangleMesh) -> Option<[Quantity; 2]> {
+        let is_of_patches = matches!(self.area, AnyFunctional::OfPatches(_));
+        is_of_patches.then(|| [self.area, self.volume].map(|of| Quantity::new(of, mesh)))
+    }
+}
 
 /// A functional of each connected component, prepared for one mesh.
 #[derive(Debug)]

@@ -38,14 +38,14 @@ pub use boundary::Boundary;
 pub use column::unit_of;
 pub(crate) use drivers::AXES;
 pub use drivers::{BoundaryIntegral, Driver, Integrator, LatticeBoltzmann, Relax, Scheme};
+#[doc(hidden)]
+pub use effects::Named;
 pub use effects::{
     Adhesion, AreaDifferenceTarget, Bending, BorderTension, EffectError, Effects, Elasticity,
     GaussianBending, Gravity, Group, HeldArea, HeldAreaDifference, HeldVolume, Hold, InPlaneLaw,
     LineTension, LocalArea, MembraneViscosity, Pressure, Reference, ReferenceSource, Stretching,
     Target, Tension, VolumeTarget,
 };
-#[doc(hidden)]
-pub use effects::{Geometry, Named};
 pub(crate) use effects::{
     Groups, MeshCheck, Preparation, Stretch, capillary_number, reduced_volume,
 };

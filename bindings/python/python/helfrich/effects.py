@@ -110,7 +110,8 @@ class Area:
     """Penalty on the total area: E = k/2 (A − A0)²/A0 of each component.
 
     `modulus` is k, energy per area, and `target` A0 of the components. With `exact`, there is no modulus:
-    forces do not change the area, and `Membrane.restore` sets it to the target.
+    forces do not change the area, and `Membrane.restore` sets it to the target. Beside `Bending("galerkin")` it is
+    the area of the patches of that method, otherwise that of the triangles.
     """
 
     modulus: Optional[float] = None
@@ -123,7 +124,8 @@ class Volume:
     """Penalty on the enclosed volume: E = k/2 (V − V0)²/|V0| of each component without boundary.
 
     `modulus` is k, a pressure, and `target` V0 of the components. With `exact`, there is no modulus:
-    forces do not change the volume, and `Membrane.restore` sets it to the target.
+    forces do not change the volume, and `Membrane.restore` sets it to the target. Beside `Bending("galerkin")`
+    it is the volume of the patches of that method, otherwise that of the triangles.
     """
 
     modulus: Optional[float] = None

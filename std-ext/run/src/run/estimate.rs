@@ -10,9 +10,9 @@
 
 use super::curved::{Curved, Integrals};
 use crate::dynamics::multipliers::multipliers;
-use crate::held::Quantity;
+use crate::held::{Geometry, Quantity};
 use crate::method::{BendingMethod, Evaluator};
-use crate::scene::{Bending, Geometry, Material, Named, Scene, SurfaceScene};
+use crate::scene::{Bending, Material, Named, Scene, SurfaceScene};
 use crate::simulation::{Acting, Body, Simulation};
 use crate::six::Six;
 use glam::DVec3;
@@ -83,7 +83,7 @@ pub(super) fn estimates(
             body,
             surface,
             at,
-            geometry: Geometry::new(&surface.effects, &scene.driver),
+            geometry: surface.effects.geometry(&scene.driver),
             own,
             between: between.collect(),
         };

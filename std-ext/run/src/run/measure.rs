@@ -6,7 +6,7 @@ use super::quality::{self, Flagged};
 use crate::effect::Effect;
 use crate::held::Quantity;
 use crate::picture::Frame;
-use crate::scene::{Bending, Geometry, Named, PictureField, Scene, UnitSystem};
+use crate::scene::{Bending, Named, PictureField, Scene, UnitSystem};
 use crate::simulation::{Acting, Body, Simulation};
 use helfrich::{Cotangent, Curvature, DualArea, Prepared, Surface};
 use std::f64::consts::PI;
@@ -40,7 +40,7 @@ impl Measures {
                 names.extend(["force", "axial_diameter", "transverse_diameter"]);
             }
             columns.extend(names.into_iter().map(|name| simulation.label(name, body)));
-            let geometry = Geometry::new(&scene.effects, driver);
+            let geometry = scene.effects.geometry(driver);
             let surface = body.surface(positions);
             patches.push(surface.and_then(|at| geometry.of_patches(at.mesh())));
             let along = body.stretching().map(|(_, axis)| axis);

@@ -10,8 +10,8 @@ use crate::execute::Parallel;
 use crate::info::MeshInfo;
 use crate::ordered::Ordered;
 use crate::scene::{
-    self, Driver, Geometry, MeshFiles, MeshSource, Preparation, Reference, ReferenceSource,
-    SceneError, SceneFile, SurfaceScene, start_shape,
+    self, Driver, MeshFiles, MeshSource, Preparation, Reference, ReferenceSource, SceneError,
+    SceneFile, SurfaceScene, start_shape,
 };
 use helfrich::interaction::RepulsionMemory;
 use helfrich::shapes::Shape;
@@ -235,7 +235,7 @@ impl Placed {
                 Driver::Relax(_) => Lumping::Own,
                 Driver::BoundaryIntegral(_) | Driver::LatticeBoltzmann(_) => Lumping::Thirds,
             },
-            geometry: Geometry::new(&scene.effects, &context.file.scene.driver),
+            geometry: scene.effects.geometry(&context.file.scene.driver),
             siblings: &scene.effects,
             unstressed: Vec::new(),
             forces: Vec::new(),

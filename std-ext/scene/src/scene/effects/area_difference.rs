@@ -147,13 +147,6 @@ impl SurfaceEffect for HeldAreaDifference {
                 map(&areas, |area| reduced * (4.0 * PI * area).sqrt())
             }
         };
-        match self.hold {
-            Hold::Exact => preparation.constrain(Self::NAME, AnyFunctional::MeanCurvature, targets),
-            Hold::Penalty(modulus) => {
-                let penalty = helfrich::AreaDifference::new(modulus, targets);
-                preparation.conservative(Self::NAME, penalty)?;
-            }
-        }
-        Ok(())
+        preparation.hold(Self::NAME, self.hold, AnyFunctional::MeanCurvature, targets)
     }
 }

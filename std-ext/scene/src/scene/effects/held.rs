@@ -3,11 +3,12 @@
 use super::super::Driver;
 use super::super::keys::{Form, Key, optional};
 use super::super::units::Dimension;
-use super::{EffectError, Effects, MeshCheck, Parameter, Parameters, Preparation, Reader};
-use crate::held::Quantity;
-use crate::method::BendingMethod;
+use super::{
+    EffectError, Effects, Geometry, MeshCheck, Parameter, Parameters, Preparation, Reader,
+};
+use crate::effect::Part;
 use crate::six::Six;
-use helfrich::{AnyFunctional, PatchFunctional, Targets, TriangleMesh};
+use helfrich::{AnyFunctional, Targets};
 use serde::Serialize;
 
 /// The way in which a quantity is kept at its target.
@@ -70,38 +71,12 @@ impl Hold {
     }
 }
 
-/// The functionals by which area and enclosed volume of a surface are held and reported.
-#[derive(Clone, Copy, Debug)]
-pub struct Geometry {
-    pub(crate) area: AnyFunctional,
-    pub(crate) volume: AnyFunctional,
-}
-
-impl Geometry {
-    /// Area and volume of flat triangles.
-    const FLAT: Self = Self {
-        area: AnyFunctional::Area,
-        volume: AnyFunctional::Volume,
-    };
-
-    /// Area and volume of the patches of Galerkin's method where it relaxes a surface, otherwise those of flat
-    /// triangles. These have an error of second order in the edge length, which would be that of the
-    /// equilibrium. In a flow nodal forces over areas act, and those of patches do not converge.
-    pub fn new(effects: &Effects, driver: &Driver) -> Self {
-        let method = effects.bending.as_ref().map(|bending| bending.method);
-        match (driver, method) {
-            (Driver::Relax(_), Some(BendingMethod::Galerkin)) => Self {
-                area: AnyFunctional::OfPatches(PatchFunctional::Area),
-                volume: AnyFunctional::OfPatches(PatchFunctional::Volume),
-            },
-            _ => Self::FLAT,
-        }
-    }
-
-    /// Prepares the functionals for a mesh, unless triangles are flat.
-    pub fn of_patches(self, mesh: &TriangleMesh) -> Option<[Quantity; 2]> {
-        let is_of_patches = matches!(self.area, AnyFunctional::OfPatches(_));
-        is_of_patches.then(|| [self.area, self.volume].map(|of| Quantity::new(of, mesh)))
+impl Effects {
+    /// What stands for area and volume of the surface. In a flow nodal forces over areas act, and those of
+    /// patches do not converge.
+    pub fn geometry(&self, driver: &Driver) -> Geometry {
+        let bending = self.bending.iter().map(|bending| bending.method);
+        Geometry::new(bending.filter(|_| matches!(driver, Driver::Relax(_))))
     }
 }
 
@@ -154,7 +129,7 @@ impl MeshCheck<'_> {
 }
 
 impl Preparation<'_> {
-    /// Holds area or volume at targets.
+    /// Holds a quantity at targets.
     pub(super) fn hold(
         &mut self,
         name: &'static str,
@@ -162,11 +137,9 @@ impl Preparation<'_> {
         quantity: AnyFunctional,
         targets: Targets<f64>,
     ) -> Result<(), EffectError> {
-        match hold {
-            Hold::Exact => self.constrain(name, quantity, targets),
-            Hold::Penalty(modulus) => {
-                self.conservative(name, helfrich::Penalty::new(quantity, modulus, targets))?;
-            }
+        match Part::keeping(name, quantity, hold.modulus(), targets, self.mesh())? {
+            Part::Held(constraint) => self.constraints.push((name, constraint)),
+            Part::Acting(effect) => self.forces.push(effect),
         }
         Ok(())
     }

@@ -5,8 +5,8 @@ use super::{Effects, Geometry, Stretch};
 use crate::effect::{CannotBend, CompiledPotential, Effect, Lumping, Viscosity};
 use crate::io::ColumnPlace;
 use helfrich::{
-    AnyFunctional, Constraint, LoadError, MaterialParameter, ParameterError, ReferenceError,
-    Reordering, Surface, SurfaceError, Targets, TriangleMesh,
+    Constraint, LoadError, MaterialParameter, ParameterError, ReferenceError, Reordering, Surface,
+    SurfaceError, TriangleMesh,
 };
 
 /// The reason why an effect cannot be prepared for a mesh. The message is one line.
@@ -91,23 +91,8 @@ impl Preparation<'_> {
         name: &'static str,
         method: impl CompiledPotential,
     ) -> Result<(), EffectError> {
-        method.check()?;
-        let effect = Effect::conservative(name, method, self.surface.mesh());
-        self.forces.push(effect);
+        self.forces
+            .push(Effect::conservative(name, method, self.mesh())?);
         Ok(())
-    }
-
-    /// Adds a quantity that is held exactly.
-    pub(super) fn constrain(
-        &mut self,
-        name: &'static str,
-        functional: AnyFunctional,
-        targets: Targets<f64>,
-    ) {
-        let constraint = Constraint {
-            functional,
-            targets,
-        };
-        self.constraints.push((name, constraint));
     }
 }

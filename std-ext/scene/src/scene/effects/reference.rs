@@ -5,7 +5,7 @@ use super::super::keys::{Form, Keys, NUMBER, optional};
 use super::super::mesh_source::WELD;
 use super::super::value::Origin;
 use super::{Builder, EffectError, MeshSource, Named, Preparation, Reader};
-use crate::effect::CompiledPotential;
+use crate::effect::{CompiledPotential, in_plane};
 use crate::generate::{AnyShape, Family};
 use helfrich::{InPlane, StrainEnergy, Surface};
 use serde::Serialize;
@@ -148,8 +148,6 @@ impl Preparation<'_> {
         InPlane<f64, W>: CompiledPotential,
     {
         let unstressed = Surface::new(self.mesh(), &self.unstressed)?;
-        let law = InPlane::new(law, self.mesh(), unstressed)
-            .and_then(|law| law.with_scaled_reference(reference.scale))?;
-        self.conservative(E::NAME, law)
+        self.conservative(E::NAME, in_plane(law, unstressed, reference.scale)?)
     }
 }
