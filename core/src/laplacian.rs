@@ -12,6 +12,7 @@ pub(crate) use cotangent::VertexSums;
 pub use cotangent::{Cotangent, CotangentMemory};
 
 pub use heat_kernel::{Bandwidth, HeatKernel, HeatKernelMemory};
+pub(crate) use jet::JetPoint;
 pub use jet::{Jet, JetMemory};
 pub use paraboloid::{Paraboloid, ParaboloidMemory};
 

@@ -21,6 +21,7 @@
 //!   from any [`Points`].
 //! * [`LaplaceBeltrami`] operators measure [`Curvatures`] and apply to fields: [`Cotangent`],
 //!   [`HeatKernel`], [`Paraboloid`], [`Jet`].
+//! * [`SmoothSurface`] is the surface of the fits of [`Jet`] between the vertices.
 //! * [`Cotangent`] has the stiffness and mass matrices of linear finite elements, as
 //!   [`SparseMatrix`] for any solver, with gradient and divergence.
 //! * [`bending`] methods give an [`Energy`], a nodal [`Force`], a [`ForceDensity`]; the exact
@@ -96,6 +97,7 @@ mod real;
 mod reduction;
 mod reordering;
 pub mod shapes;
+mod smooth_surface;
 mod sparse_matrix;
 pub mod subdivision;
 mod surface;
@@ -139,6 +141,7 @@ pub use prepared::Prepared;
 pub use projection::{Projected, ProjectedMemory, RigidBody, remove_net_force_and_torque};
 pub use real::Real;
 pub use reordering::Reordering;
+pub use smooth_surface::{MeshPoint, SmoothPoint, SmoothSurface};
 pub use sparse_matrix::SparseMatrix;
 pub use subdivision::Subdivision;
 pub use surface::{Surface, SurfaceError};

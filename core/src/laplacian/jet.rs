@@ -11,6 +11,7 @@
 
 mod block;
 mod fits;
+mod local_polynomial;
 
 use crate::curvature::{Curvature, Curvatures};
 use crate::diagnostic::Finding;
@@ -29,6 +30,7 @@ use crate::vec3::Vec3;
 use alloc::vec;
 use alloc::vec::Vec;
 use fits::{Derivatives, Fits, Scratch};
+pub(crate) use local_polynomial::{JetPoint, LocalPolynomial};
 
 /// Weighted least-squares jets: around each vertex a polynomial height function over the tangent
 /// plane is fitted to the nearest vertices along the surface.
@@ -148,6 +150,9 @@ pub struct JetMemory<T> {
     /// H and K of each fit at the vertices of the one-ring, NaN where they are no neighbours of the fit.
     ring_curvatures: Vec<[T; 2]>,
     ring_offsets: Vec<usize>,
+    /// The numbers of the polynomials, and the first of each vertex; none unless they are kept.
+    polynomials: Vec<T>,
+    polynomial_offsets: Vec<usize>,
     disagreements: Vec<[T; 2]>,
     /// Whether these are large.
     apart: Vec<bool>,
@@ -173,6 +178,23 @@ impl<T: Real> JetMemory<T> {
     /// fit.
     pub fn gradients(&self, vertex: usize) -> [[T; 3]; 2] {
         self.derivatives[vertex].gradients
+    }
+
+    /// Keeps the polynomials of the next evaluations, up to a degree.
+    pub(crate) fn keep_polynomials(&mut self, degree: usize) {
+        let stride = LocalPolynomial::<T>::numbers(degree);
+        let offsets = self.polynomial_offsets.iter_mut().enumerate();
+        offsets.for_each(|(vertex, offset)| *offset = vertex * stride);
+        let count = self.polynomial_offsets.last().copied().unwrap_or(0);
+        self.polynomials.resize(count, T::zero());
+    }
+
+    /// The polynomial of a vertex, if it was kept and there is a fit.
+    pub(crate) fn polynomial(&self, vertex: usize) -> Option<LocalPolynomial<'_, T>> {
+        let [start, end] = [0, 1].map(|next| self.polynomial_offsets[vertex + next]);
+        let degree = usize::from(self.degrees[vertex]);
+        let is_kept = degree > 0 && end > start;
+        is_kept.then(|| LocalPolynomial::new(degree, &self.polynomials[start..end]))
     }
 
     /// The neighbours of a fit, and its row of Δ_S.
@@ -259,6 +281,8 @@ impl<T: Real> Method<T> for Jet<T> {
             derivatives: Vec::new(),
             ring_curvatures: Vec::new(),
             ring_offsets: offsets.map(|&offset| offset as usize).collect(),
+            polynomials: Vec::new(),
+            polynomial_offsets: vec![0; mesh.vertex_count() + 1],
             disagreements: Vec::new(),
             apart: Vec::new(),
             scratches: Vec::new(),
@@ -317,6 +341,8 @@ impl<T: Real> Curvatures<T> for Jet<T> {
             derivatives,
             ring_curvatures,
             ring_offsets,
+            polynomials,
+            polynomial_offsets,
             disagreements,
             apart,
             scratches,
@@ -335,7 +361,10 @@ impl<T: Real> Curvatures<T> for Jet<T> {
         let numbers = (&mut degrees[..], (&mut bounds[..], &mut derivatives[..]));
         let of_fits = (
             Ragged::new(ring_curvatures, ring_offsets),
-            rows.slots(vertices, *room),
+            (
+                rows.slots(vertices, *room),
+                Ragged::new(polynomials, polynomial_offsets),
+            ),
         );
         let output = ((&mut *curvature, numbers), of_fits);
         let fits = Fits {

@@ -12,5 +12,6 @@ mod noise;
 mod reordering;
 mod rows;
 mod shapes;
+mod smooth_surface;
 mod subdivision;
 mod surface;

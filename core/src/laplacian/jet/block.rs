@@ -74,6 +74,8 @@ pub(super) struct Found<T> {
     /// The least distance of a column from the columns before it, squared, in units of the length that it
     /// would have if the directions of neighbours were spread evenly.
     pub(super) spread: Several<T>,
+    /// The axes of the polynomial: two tangent vectors, and the normal.
+    axes: [Vec3<Several<T>>; 3],
     inversion: Inversion<Several<T>>,
     over_radius: Several<T>,
 }
@@ -190,8 +192,21 @@ impl<T: Real> Block<T> {
             laplacian_of_mean: bent.laplacian_of_mean * cubed,
             slope: p * p + q * q,
             spread: self.spread(shape.degree, lanes.aspects),
+            axes,
             inversion,
             over_radius,
+        }
+    }
+
+    /// Sets the numbers of a [`LocalPolynomial`], after [`Self::fit`].
+    #[inline(never)]
+    pub(super) fn store(&self, degree: usize, found: &Found<T>, lane: usize, numbers: &mut [T]) {
+        let [first, _, normal] = found.axes;
+        let head = first.iter().chain(&normal);
+        let head = head.chain([&found.over_radius, &found.inversion.0]);
+        let all = head.chain(&self.coefficients[..coefficient_count(degree)]);
+        for (number, entries) in numbers.iter_mut().zip(all) {
+            *number = entries.0[lane];
         }
     }
 

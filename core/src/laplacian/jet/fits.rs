@@ -64,13 +64,14 @@ pub(super) struct Derivatives<T> {
 }
 
 /// Output of a fit: the curvature, with the initial normal; the degree, a bound of the distances of the
-/// neighbours, and derivatives; H and K at the vertices of the one-ring; and a row.
+/// neighbours, and derivatives; H and K at the vertices of the one-ring; a row; and the numbers of the polynomial, none
+/// unless it is kept.
 type FitSlots<'a, T> = (
     (
         &'a mut [Curvature<T>],
         (&'a mut [u8], (&'a mut [i32], &'a mut [Derivatives<T>])),
     ),
-    (Ragged<'a, [T; 2]>, RowSlots<'a, T>),
+    (Ragged<'a, [T; 2]>, (RowSlots<'a, T>, Ragged<'a, T>)),
 );
 
 /// Memory of a worker.
@@ -98,6 +99,7 @@ struct Pending<'a, T> {
     length: &'a mut u32,
     columns: &'a mut [u32],
     row: &'a mut [T],
+    polynomial: &'a mut [T],
     /// The normal of the frame, and whether it comes from a fit.
     normal: Vec3<T>,
     upright: bool,
@@ -176,7 +178,8 @@ impl<T: Real> Fits<'_, T> {
         vertex: usize,
         slot: <FitSlots<'b, T> as Slots>::Slot,
     ) -> Option<Pending<'b, T>> {
-        let ((curvature, (degree, (bound, derivatives))), (ring, (length, (columns, row)))) = slot;
+        let (of_vertex, (ring, ((length, (columns, row)), polynomial))) = slot;
+        let (curvature, (degree, (bound, derivatives))) = of_vertex;
         let available = self.surroundings.of(vertex).count().min(columns.len());
         let normal = curvature.normal;
         let attempt = self.jet.first_attempt(self.jet.highest_degree(), available);
@@ -199,6 +202,7 @@ impl<T: Real> Fits<'_, T> {
             length,
             columns,
             row,
+            polynomial,
             normal,
             upright: false,
             attempt,
@@ -285,6 +289,14 @@ impl<T: Real> Fits<'_, T> {
         }
         if settled == [false; WIDTH] {
             return;
+        }
+        for (lane, &place) in members.iter().take(WIDTH).enumerate() {
+            if settled[lane]
+                && let Some(pending) = &mut queue[place]
+                && !pending.polynomial.is_empty()
+            {
+                block.store(degree, &found, lane, pending.polynomial);
+            }
         }
         let rows = block.rows(shape, &found);
         let mut most = 0;

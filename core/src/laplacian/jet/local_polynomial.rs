@@ -1,0 +1,111 @@
+//! The surface that a jet describes around its vertex.
+
+use crate::fit::{Inversion, coefficient_count, graph_at};
+use crate::lane::Lane;
+use crate::real::Real;
+use crate::vec3::{Vec3, add, cross, dot, norm, scale, sub};
+use core::array::from_fn;
+
+/// Numbers before the coefficients: the first axis, the normal of the frame, 1 over the radius, and β of the
+/// inversion.
+const HEAD: usize = 8;
+
+/// The fitted polynomial of a vertex.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LocalPolynomial<'a, T> {
+    degree: usize,
+    axes: [Vec3<T>; 3],
+    over_radius: T,
+    inversion: Inversion<T>,
+    coefficients: &'a [T],
+}
+
+/// A point of the surface of a jet.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct JetPoint<T> {
+    /// The offset from the vertex.
+    pub(crate) offset: Vec3<T>,
+    pub(crate) normal: Vec3<T>,
+    /// H and K.
+    pub(crate) curvatures: [T; 2],
+    /// The unit vector of the larger principal curvature; 0 where all directions are principal.
+    pub(crate) direction: Vec3<T>,
+}
+
+impl<T: Real> JetPoint<T> {
+    /// The distance along a direction from a point to the surface, where it passes this point at a small distance: by
+    /// the tangent plane and the curvatures here.
+    pub(crate) fn height_over(&self, point: Vec3<T>, direction: Vec3<T>) -> T {
+        let [mean, gaussian] = self.curvatures;
+        let half = (mean * mean - gaussian).max(T::zero()).sqrt();
+        let over = dot(direction, self.normal).reciprocal_or_zero();
+        let to_plane = dot(sub(self.offset, point), self.normal) * over;
+        let beside = add(sub(point, self.offset), scale(to_plane, direction));
+        let along = dot(beside, self.direction);
+        let two = T::constant(2.0);
+        let bend = (mean - half) * dot(beside, beside) + two * half * along * along;
+        to_plane - over * bend / two
+    }
+}
+
+impl<'a, T: Real> LocalPolynomial<'a, T> {
+    /// How many numbers are kept of a polynomial.
+    pub(crate) const fn numbers(degree: usize) -> usize {
+        HEAD + coefficient_count(degree)
+    }
+
+    /// The polynomial of these numbers.
+    pub(crate) fn new(degree: usize, numbers: &'a [T]) -> Self {
+        let [first, normal] = [0, 3].map(|start| from_fn(|axis| numbers[start + axis]));
+        Self {
+            degree,
+            axes: [first, cross(normal, first), normal],
+            over_radius: numbers[6],
+            inversion: Inversion(numbers[7]),
+            coefficients: &numbers[HEAD..],
+        }
+    }
+
+    /// The point of the surface that the inversion maps to the same place of the tangent plane as it maps this offset
+    /// from the vertex.
+    pub(crate) fn beside(&self, offset: Vec3<T>) -> JetPoint<T> {
+        let Inversion(bend) = self.inversion;
+        let local = self.axes.map(|axis| self.over_radius * dot(offset, axis));
+        let [x, y, _] = self.inversion.image(local);
+        let (height, graph) = graph_at(self.degree, self.coefficients, x, y);
+        let image = [x, y, height];
+        let back = Inversion(-bend);
+        let [mean, gaussian] = self.inversion.curvatures_at(image, &graph);
+        // The derivative of the inverse map, in axes of the polynomial.
+        let (one, two) = (T::one(), T::constant(2.0));
+        let square = dot(image, image);
+        let over = back.scale_at(image).reciprocal_or_zero();
+        let carried = |tangent: Vec3<T>| -> Vec3<T> {
+            let along = two * dot(image, tangent);
+            let growth = bend * (two * tangent[2] + bend * along);
+            let up = [0, 1, 2].map(|axis| if axis == 2 { bend } else { T::zero() });
+            let whole = add(image, scale(square, up));
+            let moved = add(tangent, scale(along, up));
+            add(scale(over, moved), scale(-over * over * growth, whole))
+        };
+        let units = [0, 1, 2].map(|k| from_fn(|axis| if axis == k { one } else { T::zero() }));
+        let [p, q] = graph.first;
+        let [along_x, along_y] = [[one, T::zero(), p], [T::zero(), one, q]].map(carried);
+        let unit = |vector: Vec3<T>| scale(norm(vector).reciprocal_or_zero(), vector);
+        let [direction, _] = graph.principal(units).directions;
+        let in_space = |[x, y, z]: Vec3<T>| {
+            let [first, second, normal] = self.axes;
+            add(add(scale(x, first), scale(y, second)), scale(z, normal))
+        };
+        let radius = self.over_radius.reciprocal_or_zero();
+        JetPoint {
+            offset: in_space(scale(radius, back.image(image))),
+            normal: in_space(unit(cross(along_x, along_y))),
+            curvatures: [
+                mean * self.over_radius,
+                gaussian * (self.over_radius * self.over_radius),
+            ],
+            direction: in_space(unit(carried(direction))),
+        }
+    }
+}
