@@ -10,6 +10,7 @@ use crate::curvature::{Curvature, Curvatures};
 use crate::element::Execution;
 use crate::lane::Lane;
 use crate::laplacian::{Jet, JetPoint};
+use crate::mesh::TriangleMesh;
 use crate::method::{Method, Workspace};
 use crate::real::Real;
 use crate::surface::Surface;
@@ -31,7 +32,7 @@ const DOUBTED: f64 = 4.0;
 /// The smooth surface through the vertices of a mesh: around each vertex the polynomial that [`Jet`] fits, and over
 /// each triangle a blend of the polynomials of its corners.
 ///
-/// Polynomials of degree d are fitted once, when the surface is made. Positions have errors of order d + 1 in the edge
+/// Polynomials of degree d are fitted once, when the surface is made, which keeps a copy of the mesh. Positions have errors of order d + 1 in the edge
 /// length, H and K of order d − 1. The surface passes through the vertices, is continuous, and has kinks of order d at
 /// edges and none at vertices. Corners without a fit do not take part in a blend; without any, points are those of the
 /// flat triangle, and curvatures NaN.
@@ -62,8 +63,10 @@ const DOUBTED: f64 = 4.0;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
-pub struct SmoothSurface<'a, T: Real> {
-    surface: Surface<'a, T>,
+pub struct SmoothSurface<T: Real> {
+    mesh: TriangleMesh,
+    positions: Vec<[T; 3]>,
+    remainders: Option<Vec<[T; 3]>>,
     workspace: Workspace<T, Jet<T>>,
     vertices: Vec<Curvature<T>>,
     /// The largest distance of the polynomial of a vertex from the vertices of its one-ring.
@@ -72,7 +75,7 @@ pub struct SmoothSurface<'a, T: Real> {
 }
 
 /// A point of a [`SmoothSurface`].
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SmoothPoint<T> {
     /// The position.
     pub position: [T; 3],
@@ -112,9 +115,9 @@ struct Corner<T> {
     away: T,
 }
 
-impl<'a, T: Real> SmoothSurface<'a, T> {
+impl<T: Real> SmoothSurface<T> {
     /// Fits the polynomials of a jet to a surface.
-    pub fn new(execution: &impl Execution, surface: Surface<'a, T>, jet: &Jet<T>) -> Self {
+    pub fn new(execution: &impl Execution, surface: Surface<'_, T>, jet: &Jet<T>) -> Self {
         let mesh = surface.mesh();
         let mut workspace = jet.workspace(mesh);
         workspace.for_mesh_mut(mesh).keep_polynomials(jet.degree);
@@ -134,7 +137,9 @@ impl<'a, T: Real> SmoothSurface<'a, T> {
             *misfit = ring.fold(T::zero(), T::max);
         });
         Self {
-            surface,
+            mesh: mesh.clone(),
+            positions: surface.positions().to_vec(),
+            remainders: surface.remainders().map(<[_]>::to_vec),
             workspace,
             vertices,
             misfits,
@@ -143,8 +148,8 @@ impl<'a, T: Real> SmoothSurface<'a, T> {
     }
 
     /// The mesh with its positions.
-    pub fn surface(&self) -> Surface<'a, T> {
-        self.surface
+    pub fn surface(&self) -> Surface<'_, T> {
+        Surface::of_checked(&self.mesh, &self.positions, self.remainders.as_deref())
     }
 
     /// H, K and normals of the fits at the vertices.
@@ -162,7 +167,7 @@ impl<'a, T: Real> SmoothSurface<'a, T> {
     /// # Panics
     /// If there is no such triangle.
     pub fn at(&self, place: MeshPoint<T>) -> SmoothPoint<T> {
-        let origin = self.position(self.surface.mesh().triangles()[place.triangle][0]);
+        let origin = self.position(self.mesh.triangles()[place.triangle][0]);
         let Some(corners) = self.corners(place) else {
             return self.flat_point(place);
         };
@@ -200,11 +205,24 @@ impl<'a, T: Real> SmoothSurface<'a, T> {
         }
     }
 
+    /// As [`Self::at`], of many places.
+    pub fn all_at(
+        &self,
+        execution: &impl Execution,
+        places: &[MeshPoint<T>],
+    ) -> Vec<SmoothPoint<T>> {
+        let mut points = vec![SmoothPoint::default(); places.len()];
+        execution.map(&mut points[..], |index, point| {
+            *point = self.at(places[index])
+        });
+        points
+    }
+
     /// The points of the polynomials of the corners beside a place, relative to the first corner, with weights of the sum
     /// 1, 0 without a fit; `None` if none has one.
     fn corners(&self, place: MeshPoint<T>) -> Option<[Corner<T>; 3]> {
-        let vertices = self.surface.mesh().triangles()[place.triangle];
-        let seen = self.surface.seen_from(vertices[0]);
+        let vertices = self.mesh.triangles()[place.triangle];
+        let seen = self.surface().seen_from(vertices[0]);
         let places = vertices.map(|vertex| seen.difference(vertex));
         let terms = zip(place.barycentric, places).map(|(weight, place)| scale(weight, place));
         let flat = terms.fold([T::zero(); 3], add);
@@ -246,7 +264,7 @@ impl<'a, T: Real> SmoothSurface<'a, T> {
 
     /// A point without fits.
     fn flat_point(&self, place: MeshPoint<T>) -> SmoothPoint<T> {
-        let [a, b, c] = self.surface.mesh().triangles()[place.triangle].map(|k| self.position(k));
+        let [a, b, c] = self.mesh.triangles()[place.triangle].map(|k| self.position(k));
         SmoothPoint {
             position: self.flat(place),
             normal: normalise(cross(sub(b, a), sub(c, a))),
@@ -265,7 +283,7 @@ impl<'a, T: Real> SmoothSurface<'a, T> {
     /// triangles. Points nearer than about half of the smallest radius of curvature converge; of farther ones a place
     /// near the best one is found.
     pub fn project(&self, point: [T; 3]) -> Option<MeshPoint<T>> {
-        let mut place = self.tree.nearest(self.surface, point, None)?;
+        let mut place = self.tree.nearest(self.surface(), point, None)?;
         let size = self.longest_edge(place.triangle);
         for _ in 0..STEPS {
             let found = self.at(place);
@@ -276,7 +294,7 @@ impl<'a, T: Real> SmoothSurface<'a, T> {
             let target = add(self.flat(place), along);
             let next = self
                 .tree
-                .nearest(self.surface, target, Some(place.triangle));
+                .nearest(self.surface(), target, Some(place.triangle));
             match next.filter(|next| is_left && *next != place) {
                 Some(next) => place = next,
                 None => break,
@@ -299,18 +317,18 @@ impl<'a, T: Real> SmoothSurface<'a, T> {
     }
 
     fn flat(&self, place: MeshPoint<T>) -> Vec3<T> {
-        let corners = self.surface.mesh().triangles()[place.triangle];
+        let corners = self.mesh.triangles()[place.triangle];
         let terms = zip(corners, place.barycentric);
         let terms = terms.map(|(corner, weight)| scale(weight, self.position(corner)));
         terms.fold([T::zero(); 3], add)
     }
 
     fn longest_edge(&self, triangle: usize) -> T {
-        let [a, b, c] = self.surface.mesh().triangles()[triangle].map(|k| self.position(k));
+        let [a, b, c] = self.mesh.triangles()[triangle].map(|k| self.position(k));
         norm(sub(b, a)).max(norm(sub(c, a))).max(norm(sub(c, b)))
     }
 
     fn position(&self, vertex: u32) -> Vec3<T> {
-        self.surface.positions()[vertex as usize]
+        self.positions[vertex as usize]
     }
 }

@@ -12,6 +12,7 @@ mod meshes;
 mod operators;
 mod recommendation;
 mod scenes;
+mod smooth_surface;
 mod work;
 
 use helfrich::Finding;
@@ -69,6 +70,8 @@ mod _helfrich {
     use super::recommendation::recommend;
     #[pymodule_export]
     use super::scenes::run;
+    #[pymodule_export]
+    use super::smooth_surface::SmoothSurface;
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

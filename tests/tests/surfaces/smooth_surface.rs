@@ -49,13 +49,13 @@ fn made(name: &str, family: Family, vertices: usize) -> GeneratedMesh {
     generate(&shape, family, vertices, 1).expect("a mesh")
 }
 
-fn smooth<'a>(made: &'a GeneratedMesh, jet: &Jet<f64>) -> SmoothSurface<'a, f64> {
+fn smooth(made: &GeneratedMesh, jet: &Jet<f64>) -> SmoothSurface<f64> {
     let surface = Surface::new(&made.mesh, &made.positions).expect("positions");
     SmoothSurface::new(&Parallel::default(), surface, jet)
 }
 
 /// The point of each triangle at these coordinates.
-fn points(smooth: &SmoothSurface<'_, f64>, barycentric: [f64; 3]) -> Vec<SmoothPoint<f64>> {
+fn points(smooth: &SmoothSurface<f64>, barycentric: [f64; 3]) -> Vec<SmoothPoint<f64>> {
     let triangles = 0..smooth.surface().mesh().triangles().len();
     let place = |triangle| MeshPoint {
         triangle,
@@ -67,7 +67,7 @@ fn points(smooth: &SmoothSurface<'_, f64>, barycentric: [f64; 3]) -> Vec<SmoothP
 }
 
 /// The centre of each triangle, where a blend is farthest from vertices.
-fn centres(smooth: &SmoothSurface<'_, f64>) -> Vec<SmoothPoint<f64>> {
+fn centres(smooth: &SmoothSurface<f64>) -> Vec<SmoothPoint<f64>> {
     points(smooth, [1.0 / 3.0; 3])
 }
 

@@ -22,6 +22,7 @@ from ._membranes import Membrane, bending_energy, bending_force
 from ._meshes import Exact, Problem, Report, check, read, shape, subdivide, weld, write
 from ._operators import gradient, laplacian
 from ._scenes import Run, run
+from ._surfaces import Surface, SurfacePoints, surface
 
 __all__ = [
     "METHODS",
@@ -37,6 +38,8 @@ __all__ = [
     "Recommendation",
     "Report",
     "Run",
+    "Surface",
+    "SurfacePoints",
     "__version__",
     "bending_energy",
     "bending_force",
@@ -52,6 +55,7 @@ __all__ = [
     "run",
     "shape",
     "subdivide",
+    "surface",
     "weld",
     "write",
 ]

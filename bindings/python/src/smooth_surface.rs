@@ -1,0 +1,137 @@
+//! The smooth surface through the vertices of a mesh.
+
+use crate::arrays::{Input, Positions, matrix};
+use crate::failure::{Fault, invalid};
+use crate::work::on_threads;
+use helfrich::{Jet, MeshPoint, SmoothPoint, SmoothSurface as Smooth, Surface, TriangleMesh};
+use helfrich_std::execute::Parallel;
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+/// The surface, with its fits.
+#[pyclass(frozen, module = "helfrich._helfrich")]
+pub(crate) struct SmoothSurface(Smooth<f64>);
+
+#[pymethods]
+impl SmoothSurface {
+    #[new]
+    fn new(
+        py: Python<'_>,
+        positions: &Bound<'_, PyAny>,
+        faces: &Bound<'_, PyAny>,
+        method: &str,
+    ) -> PyResult<Self> {
+        let mut input = Input::new(positions, faces)?;
+        let triangles = input.take_faces();
+        let positions = input.positions.double();
+        let made = on_threads(py, None, || {
+            let mesh = TriangleMesh::new(positions.len(), triangles)?;
+            let surface = Surface::new(&mesh, &positions[..])?;
+            let jet = match method {
+                "j4" => Jet::j4(),
+                "j6" => Jet::j6(),
+                "j8" => Jet::j8(),
+                _ => Jet::for_mesh(&mesh),
+            };
+            Ok::<_, Fault>(Smooth::new(&Parallel::new(), surface, &jet))
+        })?;
+        Ok(Self(made?))
+    }
+
+    /// The points over places of the mesh: columns by name. Where nothing is known, curvatures are 0 and error bars
+    /// infinite.
+    fn at<'py>(
+        &self,
+        py: Python<'py>,
+        faces: Vec<usize>,
+        weights: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let weights = Positions::named(weights, "weights")?;
+        let weights = weights.double();
+        if weights.len() != faces.len() {
+            let (rows, count) = (weights.len(), faces.len());
+            return Err(invalid(format_args!(
+                "weights has {rows} rows, but {count} are needed, one for each of faces"
+            )));
+        }
+        let count = self.0.surface().mesh().triangles().len();
+        if let Some(face) = faces.iter().find(|&&face| face >= count) {
+            return Err(invalid(format_args!(
+                "faces names face {face}, but there are {count}, numbered from 0"
+            )));
+        }
+        let off = |weights: &[f64; 3]| {
+            // Also for NaN.
+            let is_inside = weights.iter().all(|weight| *weight >= 0.0);
+            !is_inside || (weights.iter().sum::<f64>() - 1.0).abs() > 1e-6
+        };
+        if let Some(row) = weights.iter().position(off) {
+            return Err(invalid(format_args!(
+                "row {row} of weights is {:?}: weights of corners are at least 0, with the sum 1",
+                weights[row]
+            )));
+        }
+        let points = on_threads(py, None, || {
+            let places = faces.iter().zip(weights.iter());
+            let places = places.map(|(&triangle, &barycentric)| MeshPoint {
+                triangle,
+                barycentric,
+            });
+            self.0.all_at(&Parallel::new(), &Vec::from_iter(places))
+        })?;
+        columns(py, &points)
+    }
+
+    /// The faces and weights of the places that are nearest to points.
+    fn project<'py>(
+        &self,
+        py: Python<'py>,
+        points: &Bound<'py, PyAny>,
+    ) -> PyResult<(Bound<'py, PyArray1<u32>>, Bound<'py, PyAny>)> {
+        let points = Positions::named(points, "points")?;
+        let points = points.double();
+        if let Some(row) = points.iter().position(|x| !x.iter().all(|x| x.is_finite())) {
+            let at = points[row];
+            return Err(invalid(format_args!(
+                "row {row} of points is {at:?}: finite numbers are needed"
+            )));
+        }
+        let places = on_threads(py, None, || self.0.project_all(&Parallel::new(), &points))?;
+        let places = places.into_iter().collect::<Option<Vec<_>>>();
+        let places = places.ok_or_else(|| invalid("a mesh without faces has no points"))?;
+        let faces = places.iter().map(|place| place.triangle as u32);
+        let faces = PyArray1::from_vec(py, faces.collect());
+        let weights = places.iter().map(|place| place.barycentric);
+        Ok((faces, matrix(py, weights.collect())?.into_any()))
+    }
+}
+
+fn columns<'py>(py: Python<'py>, points: &[SmoothPoint<f64>]) -> PyResult<Bound<'py, PyDict>> {
+    let columns = PyDict::new(py);
+    type Vector = fn(&SmoothPoint<f64>) -> [f64; 3];
+    let vectors: [(&str, Vector); 3] = [
+        ("position", |point| point.position),
+        ("normal", |point| point.normal),
+        ("d1", |point| point.direction),
+    ];
+    for (name, of) in vectors {
+        columns.set_item(name, matrix(py, points.iter().map(of).collect())?)?;
+    }
+    type Number = fn(&SmoothPoint<f64>) -> f64;
+    let numbers: [(&str, Number); 7] = [
+        ("H", |point| point.mean),
+        ("K", |point| point.gaussian),
+        ("k1", |point| point.principal()[0]),
+        ("k2", |point| point.principal()[1]),
+        ("position_error", |point| point.position_error),
+        ("H_error", |point| point.curvature_errors[0]),
+        ("K_error", |point| point.curvature_errors[1]),
+    ];
+    for (name, of) in numbers {
+        let known = |x: f64| if x.is_nan() { 0.0 } else { x };
+        let values = points.iter().map(|point| known(of(point)));
+        columns.set_item(name, PyArray1::from_vec(py, values.collect()))?;
+    }
+    Ok(columns)
+}

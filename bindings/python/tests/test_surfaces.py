@@ -1,0 +1,78 @@
+"""The smooth surface between the vertices."""
+
+import numpy as np
+import pytest
+
+import helfrich
+
+
+def centres(F):
+    return np.arange(len(F)), np.full((len(F), 3), 1 / 3)
+
+
+def test_points_between_vertices_are_on_the_sphere():
+    V, F, _ = helfrich.shape("sphere", 642, family="irregular")
+    found = helfrich.surface(2 * V, F, method="j6").at(*centres(F))
+    # The largest errors are 2.4e-8 and 4e-7.
+    assert abs(np.linalg.norm(found.position, axis=1) - 2).max() < 1e-7
+    assert abs(found.H - 0.5).max() < 2e-6
+    assert abs(found.K - 0.25).max() < 2e-6
+    assert abs(found.position / 2 - found.normal).max() < 1e-5
+    assert np.allclose((found.k1 + found.k2) / 2, found.H)
+    assert (found.position_error > 0).all() and found.position_error.max() < 1e-5
+
+
+def test_a_degree_is_chosen_by_the_mesh():
+    V, F, _ = helfrich.shape("sphere", 642)
+    chosen, fourth = (helfrich.surface(V, F, method=method).at(*centres(F)) for method in ("jet", "j4"))
+    assert (chosen.H == fourth.H).all()
+
+
+def test_projections_are_the_nearest_points():
+    V, F, _ = helfrich.shape("ellipsoid:1,0.8,0.5", 2562)
+    smooth = helfrich.surface(V, F)
+    below = smooth.at(*centres(F))
+    faces, weights = smooth.project(below.position + 0.05 * below.normal)
+    found = smooth.at(faces, weights)
+    assert abs(found.position - below.position).max() < 1e-6
+    assert faces.dtype == np.uint32 and abs(weights.sum(axis=1) - 1).max() < 1e-12
+
+
+def test_vertices_have_the_curvatures_of_the_method():
+    V, F, _ = helfrich.shape("discocyte", 642)
+    found = helfrich.surface(V, F, method="j6").at(np.arange(len(F)), np.tile([1.0, 0, 0], (len(F), 1)))
+    assert abs(found.position - V[F[:, 0]]).max() < 1e-14
+    assert abs(found.H - helfrich.curvature(V, F, method="j6").H[F[:, 0]]).max() < 1e-10
+    assert (found.position_error == 0).all()
+
+
+def test_without_a_fit_nothing_is_known():
+    V, F = np.eye(3), [[0, 1, 2]]
+    found = helfrich.surface(V, F).at([0], [[0.5, 0.25, 0.25]])
+    assert found.position.tolist() == [[0.5, 0.25, 0.25]]
+    assert found.H[0] == 0 and np.isinf([found.H_error[0], found.position_error[0]]).all()
+
+
+@pytest.mark.parametrize(
+    "faces, weights, text",
+    [
+        ([20], [[1, 0, 0]], "faces names face 20, but there are 20, numbered from 0"),
+        ([-1], [[1, 0, 0]], "faces has to be one-dimensional, with integers of at least 0"),
+        ([0.5], [[1, 0, 0]], "faces has to be one-dimensional"),
+        ([0, 1], [[1, 0, 0]], "weights has 1 rows, but 2 are needed, one for each of faces"),
+        ([0], [[0.5, 0.5, 0.5]], "row 0 of weights is"),
+        ([0], [[2, -1, 0]], "row 0 of weights is"),
+    ],
+)
+def test_places_that_are_none_are_refused(faces, weights, text):
+    V, F, _ = helfrich.shape("sphere", 12)
+    with pytest.raises(ValueError, match=text):
+        helfrich.surface(V, F).at(faces, weights)
+
+
+def test_points_and_methods_that_are_none_are_refused():
+    V, F, _ = helfrich.shape("sphere", 12)
+    with pytest.raises(ValueError, match="points"):
+        helfrich.surface(V, F).project([[np.nan, 0, 0]])
+    with pytest.raises(ValueError, match="'meyer': 'jet', 'j4', 'j6' and 'j8' have a smooth surface"):
+        helfrich.surface(V, F, method="meyer")
