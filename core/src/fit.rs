@@ -1,7 +1,7 @@
-//! Local polynomials: least-squares fits of height functions around a vertex, and the geometry of their
-//! graphs.
+//! Polynomials fitted to the surface around a vertex by least squares, as height functions, and the
+//! curvatures of their graphs.
 //!
-//! Fits of several vertices are computed at once, one in each entry of a lane.
+//! Several vertices are fitted at once, one in each entry of a lane.
 
 mod graph;
 mod inversion;

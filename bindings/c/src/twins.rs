@@ -1,14 +1,14 @@
 //! Functions for numbers in f64, with their twins in f32.
 
-/// Makes a function for each number type, `$N` in its arguments, under two names that are written out: searches
-/// find them. Each takes the error of the call as its last argument, and returns a status. cbindgen sees the
-/// functions once macros are expanded (`.ci/bindings-c`).
+/// Defines one function for f64 and one for f32; `$N` in the arguments is the number type. Both names are written
+/// out, so that text searches find them. Each function has a last argument, the error of the call, and returns a
+/// status. cbindgen reads the source after the expansion of macros (`.ci/bindings-c`).
 macro_rules! twins {
     (
         $(#[$doc:meta])*
         fn $wide:ident, $narrow:ident<$d:tt $N:ident>($($arguments:tt)*) |$call:ident| $work:expr
     ) => {
-        // `$d` is the `$` of `$N`, which this macro cannot write for the other one itself.
+        // `$d` is the token `$`, without which this macro cannot write the variables of `twin!`.
         macro_rules! twin {
             ($d(#[$d doc:meta])* $d name:ident $d $N:ident) => {
                 $d(#[$d doc])*

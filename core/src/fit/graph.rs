@@ -1,7 +1,7 @@
 //! Curvatures of the graph of a height function z(x, y) from its derivatives.
 //!
-//! M. P. do Carmo, Differential Geometry of Curves and Surfaces, section 3.3; here H is positive where
-//! the heights of a sphere are those of its upper half.
+//! M. P. do Carmo, Differential Geometry of Curves and Surfaces, section 3.3; here with the sign that
+//! makes H positive on the upper half of a sphere.
 
 mod tangents;
 
@@ -32,13 +32,14 @@ impl<L: Lane> Graph<L> {
         }
     }
 
-    /// The same with coordinates and heights in radii.
+    /// The graph at the origin, from coefficients for coordinates and heights in units of a radius;
+    /// `over_radius` is 1 over the radius.
     #[inline(always)]
     pub(crate) fn in_radii(coefficients: &[L], over_radius: L) -> Self {
         Self::of_coefficients(coefficients).enlarged(over_radius)
     }
 
-    /// The graph whose coordinates and heights are larger by 1 over this factor.
+    /// This graph with coordinates and heights divided by `over_factor`.
     #[inline(always)]
     pub(crate) fn enlarged(self, over_factor: L) -> Self {
         Self {
@@ -47,7 +48,7 @@ impl<L: Lane> Graph<L> {
         }
     }
 
-    /// 1/√(1 + z_x² + z_y²): the normal's component along the heights.
+    /// The normal's component along the axis of heights, 1/√(1 + z_x² + z_y²).
     #[inline(always)]
     pub(crate) fn uprightness(&self) -> L {
         let [p, q] = self.first;
@@ -81,8 +82,8 @@ impl<L: Lane> Graph<L> {
         [self.mean(uprightness), self.gaussian(uprightness)]
     }
 
-    /// The functional that takes the coefficients of x, y, x², xy, y² of a field to its Δ_S:
-    /// `g^{ab} φ_ab + 2H z_c φ_c/√g`.
+    /// Factors of the coefficients of x, y, x², xy, y² of a field φ, whose sum is
+    /// `Δ_S φ = g^{ab} φ_ab + 2H z_c φ_c/√g`.
     #[inline(always)]
     pub(crate) fn laplacian(&self, uprightness: L) -> [L; 5] {
         let [p, q] = self.first;
@@ -102,7 +103,7 @@ impl<L: Lane> Graph<L> {
 /// The height of a polynomial without constant term at a point, and its graph there.
 #[inline(always)]
 pub(crate) fn graph_at<L: Lane>(degree: usize, coefficients: &[L], x: L, y: L) -> (L, Graph<L>) {
-    // Horner's rule for the values, and for half of the second derivatives.
+    // Horner's rule for z, z_x, z_y, z_xy, and half of z_xx and z_yy.
     let [mut z, mut zx, mut zy, mut zxx, mut zxy, mut zyy] = [L::zero(); 6];
     for a in (0..=degree).rev() {
         let [mut part, mut slope, mut bend] = [L::zero(); 3];
@@ -146,7 +147,7 @@ fn product<L: Lane>(a: Series<L>, b: Series<L>) -> Series<L> {
     ]
 }
 
-/// The derivatives of H and K at the origin of a polynomial height function.
+/// Derivatives of H and K at the origin of a polynomial height function.
 pub(crate) struct Bending<L> {
     /// H_x and H_y.
     pub(crate) of_mean: [L; 2],
@@ -158,10 +159,10 @@ pub(crate) struct Bending<L> {
     pub(crate) laplacian_of_mean: L,
 }
 
-/// The derivatives of H and K; coefficients above degree 4 do not matter, missing ones are 0.
+/// Derivatives of H and K at the origin. Coefficients above degree 4 are not read; missing ones count as 0.
 #[inline(always)]
 pub(crate) fn bending<L: Lane>(coefficients: &[L]) -> Bending<L> {
-    // The derivative by x and y of these orders, to degree 2.
+    // The derivative of these orders by x and y, as a series up to degree 2.
     let derivative = |by_x: usize, by_y: usize| -> Series<L> {
         core::array::from_fn(|place| {
             let (x, y) = [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)][place];
@@ -178,7 +179,7 @@ pub(crate) fn bending<L: Lane>(coefficients: &[L]) -> Bending<L> {
     let (p, q) = (derivative(1, 0), derivative(0, 1));
     let (xx, xy, yy) = (derivative(2, 0), derivative(1, 1), derivative(0, 2));
     let (mut with_p, mut with_q, across) = (product(p, p), product(q, q), product(p, q));
-    // (1 + z_x² + z_y²)^(−3/2), relative to its value here.
+    // (1 + z_x² + z_y²)^(−3/2), relative to its value at the origin.
     let graph = Graph {
         first: [p[0], q[0]],
         second: [xx[0], xy[0], yy[0]],

@@ -1,10 +1,10 @@
-//! Weighted least squares of polynomials by normal equations, several at once.
+//! Weighted least-squares fits of polynomials by normal equations, for several vertices at once.
 //!
-//! Entries of the matrix are moments `Σ w x^a y^b`. A fit of degree d has as many as a polynomial of
-//! degree 2d has coefficients, far fewer than entries, and no matrix with a row for each neighbour
-//! is needed. The matrix has the squared condition number of the fit, so that these equations
-//! serve well-conditioned fits only, and after one refinement solve them as accurately as an
-//! orthogonal factorisation.
+//! Entries of the matrix are moments `Σ w x^a y^b`. A fit of degree d has one moment for each
+//! coefficient of a polynomial of degree 2d, far fewer than the matrix has entries, and needs no
+//! matrix with a row for each neighbour. The condition number of the matrix is the square of that of
+//! the fit. Normal equations therefore serve well-conditioned fits only; one refinement makes their
+//! solution as accurate as that of an orthogonal factorisation.
 //!
 //! G. H. Golub and C. F. Van Loan, Matrix Computations, sections 4.1, 4.2.8 and 5.3; Å. Björck,
 //! Linear Algebra Appl. 88/89 (1987) 31 (refinement).
@@ -15,20 +15,22 @@ use crate::lane::{Lane, Several};
 use crate::real::Real;
 use alloc::vec::Vec;
 
-/// The equations `Aᵀ W A c = g` of polynomials of a degree without constant term.
+/// Normal equations `Aᵀ W A c = g` of polynomials without constant term.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct NormalEquations<T> {
     degree: usize,
     /// `Σ w x^a y^b` up to twice the degree.
     moments: Vec<Several<T>>,
-    /// `Aᵀ W A = L D Lᵀ`: L row by row, `stride` to a row, and one row of L D.
+    /// `Aᵀ W A = L D Lᵀ`: `lower` is L row by row, with `stride` entries to a row; `scaled` is one row
+    /// of L D.
     stride: usize,
     lower: Vec<Several<T>>,
     scaled: Vec<Several<T>>,
-    /// D, in order of the monomials: the squared distance of each column from the columns before it.
+    /// D, in order of the monomials: the squared distance of each column from the span of the columns
+    /// before it.
     pivots: Vec<Several<T>>,
     over_pivots: Vec<Several<T>>,
-    /// Right-hand sides in order of the monomials, 1 first, which does not count.
+    /// Right-hand sides in order of the monomials; the first entry, that of 1, is not used.
     right: Vec<Several<T>>,
     /// Memory with an entry for each point.
     column: Vec<Several<T>>,
@@ -37,14 +39,14 @@ pub(crate) struct NormalEquations<T> {
 }
 
 impl<T: Real> NormalEquations<T> {
-    /// The least distance of a column from the columns before it, relative to its length, with which
-    /// equations are accurate enough.
+    /// The least distance of a column from the span of the columns before it, relative to its length, at
+    /// which the equations are accurate enough.
     pub(crate) fn least_distance() -> T {
         (T::constant(1e3) * T::epsilon()).sqrt()
     }
 
-    /// Whether the rounding of solutions without refinement may exceed 2e-12 in fits that are accepted
-    /// from this distance on.
+    /// Whether rounding errors of solutions without refinement may exceed 2e-12, if fits are accepted
+    /// whose columns have this least distance.
     pub(crate) fn need_refinement(least: T) -> bool {
         T::epsilon() > T::constant(2e-12) * (least * least)
     }
@@ -68,7 +70,7 @@ impl<T: Real> NormalEquations<T> {
         self.factorise(coefficient_count(degree));
     }
 
-    /// The squared distances of the columns from the columns before them.
+    /// The squared distance of each column from the span of the columns before it.
     #[inline(always)]
     pub(crate) fn pivots(&self) -> &[Several<T>] {
         &self.pivots
@@ -123,8 +125,8 @@ impl<T: Real> NormalEquations<T> {
         }
     }
 
-    /// Solves `Aᵀ W (A c − z) = f` with heights z and a functional f of the coefficients; shorter
-    /// slices are continued by zeros. Solutions are refined this often.
+    /// Solves `Aᵀ W (A c − z) = f` with heights z and a functional f of the coefficients, and refines
+    /// the solutions `refinements` times. Entries that `heights` and `functional` lack count as 0.
     #[inline(always)]
     pub(crate) fn solve(
         &mut self,
@@ -158,7 +160,7 @@ impl<T: Real> NormalEquations<T> {
         }
     }
 
-    /// The squared weighted length of what polynomials leave of heights.
+    /// The weighted sum of the squared residuals of fits to these heights.
     #[inline(always)]
     pub(crate) fn left_of(&mut self, points: Points<'_, T>, heights: &[Several<T>]) -> Several<T> {
         self.column.clear();
@@ -175,7 +177,7 @@ impl<T: Real> NormalEquations<T> {
         left
     }
 
-    /// Sets the right-hand side of heights, which are overwritten.
+    /// Sets the right-hand sides from the heights in `column`, which are overwritten.
     #[inline(always)]
     fn set_right(&mut self, points: Points<'_, T>) {
         for (height, &weight) in self.column.iter_mut().zip(points.weights) {
@@ -185,7 +187,7 @@ impl<T: Real> NormalEquations<T> {
         set_moments(right, self.degree, points, column, &mut self.powers);
     }
 
-    /// Solves L y = r, in place of the right-hand side r.
+    /// Replaces the right-hand side r by the solution y of L y = r.
     #[inline(always)]
     fn substitute(&mut self) {
         let right = &mut self.right[1..];

@@ -7,7 +7,8 @@
 //! B, due to the shape, from the distance to a candidate with less bias, as far as noise does not
 //! explain this distance. The candidate with the least B + V is chosen. Without noise V is 0, and the
 //! jet is chosen; its error is then estimated by its distance from a jet of another degree. Noise is
-//! estimated from the residuals of the jets and, where these are due to the shape, from their f.
+//! estimated from the residuals of the jets and, where these are due to the shape, from distances
+//! between f of jets over fewer and more neighbours.
 //!
 //! O. V. Lepski, Theory Probab. Appl. 35 (1991) 454, chooses scales by distances between estimates; here
 //! distances are averaged over neighbourhoods, and extrapolated by the order of each fit.
@@ -39,7 +40,7 @@ use jets::Jets;
 use kind::FitKind;
 use level::{Estimates, Level};
 
-/// Number of independent errors whose effect is followed.
+/// Number of independent sets of errors of the heights whose effect on the fits is computed.
 const REPLICAS: usize = 12;
 
 /// One number for each replica.
@@ -51,8 +52,8 @@ const QUANTITIES: usize = 3;
 /// The place of f.
 const FORCE: usize = QUANTITIES - 1;
 
-/// The largest number of nearest vertices over which estimates are averaged, and the number that shows places where
-/// they are larger than in their surroundings.
+/// Numbers of nearest vertices over which estimates are averaged: the largest, and a small one that shows where
+/// estimates are larger than in the surroundings.
 const POOL: usize = 100;
 const LOCAL: usize = 12;
 
@@ -60,15 +61,15 @@ const LOCAL: usize = 12;
 const NONE: u32 = u32::MAX;
 
 /// Numbers of neighbours of regression jets on meshes of [`LARGE`] vertices or more, with errors at most 1.5 times
-/// as large.
+/// those of [`AdaptiveJet::LADDER`].
 const COARSE_LADDER: [usize; 5] = [45, 64, 128, 256, 512];
 const LARGE: usize = 100_000;
 
-/// Number of neighbours after those of [`AdaptiveJet::LADDER`], where these still gain at more than the fraction
-/// [`RISING`] of the vertices. On a discocyte of 40 962 vertices with noise of 0.03 edges, it divides the
-/// errors of H and K by 2 and that of f by 4. Its fits take two thirds of the time of all others and 12 kB
-/// for each vertex, too much for meshes of [`LARGE`]. A mesh needs [`NEIGHBOURHOODS`] times as many
-/// vertices, because distances between fits over most of a mesh do not show their bias.
+/// Number of neighbours that follows those of [`AdaptiveJet::LADDER`] if the last of these is the best at more than
+/// the fraction [`RISING`] of the vertices. On a discocyte of 40 962 vertices with noise of 0.03 edges, it divides
+/// the errors of H and K by 2 and that of f by 4. Its fits take two thirds of the time of all others and 12 kB for
+/// each vertex, too much for meshes of [`LARGE`]. A mesh needs [`NEIGHBOURHOODS`] times as many vertices, because
+/// distances between fits over most of a mesh do not show their bias.
 const WIDEST: usize = 1024;
 const RISING: f64 = 0.9;
 const NEIGHBOURHOODS: usize = 32;
@@ -77,8 +78,8 @@ const NEIGHBOURHOODS: usize = 32;
 /// than degree 6.
 const FOURTH: usize = 64;
 
-/// Number of rings at a boundary where derivatives of one fit are more accurate than a fit to the fitted
-/// H.
+/// Number of rings at a boundary where Δ_S H is more accurate from the derivatives of one fit than from a
+/// second fit, to the fitted H.
 const ONE_STAGE: u8 = 2;
 
 /// The search for more neighbours stops when fewer than this fraction of the vertices still improve.
@@ -87,16 +88,16 @@ const LEFT: f64 = 0.01;
 /// Jets whose degree and number of neighbours are chosen at every vertex, with error bars.
 ///
 /// Without noise of the positions, results are those of a [`Jet`](crate::Jet) except at boundaries: of degree 6; of
-/// degree 8, where H disagrees at most half as much between neighbours; or on small meshes of degree 4, where H
-/// disagrees less. With noise, they are those of regression jets over as many neighbours as the shape allows: the errors of H fall as the inverse
-/// of the number of neighbours, those of f faster.
+/// degree 8, if H of neighbouring fits disagrees at most half as much; or, on small meshes, of degree 4, if H
+/// disagrees less. With noise, they are those of regression jets over as many neighbours as the shape allows: the
+/// errors of H fall as the inverse of the number of neighbours, those of f faster.
 ///
 /// At a boundary and one edge away, where neighbours lie to one side, heights are fitted after the inversion
 /// `y = (x − b n |x|²)/(1 − 2 b n·x + b² |x|²)` of the positions x seen from the vertex, with its normal n. The
 /// principal curvatures there decrease by −2b, and f stays the same, as bending energies are invariant under
-/// inversions. Of b between 0 and −H/2, which makes a plane of a sphere, the one with a small residual is taken.
-/// Fits at the boundary itself have degree 6 or 8, whichever has the least standard error of f if its residual
-/// is noise.
+/// inversions. b lies between 0 and −H/2, which turns a sphere into a plane, and is chosen for a small residual.
+/// Fits at the boundary itself have degree 6 or 8, whichever gives f the smaller standard error if residuals
+/// count as noise.
 ///
 /// The errors of positions are assumed to be independent from vertex to vertex. Errors that neighbours
 /// share cannot be distinguished from the shape, and error bars do not include them.
@@ -106,14 +107,14 @@ pub struct AdaptiveJet<T> {
     /// the deviation at every vertex. If it is 0, the deviation is estimated from the positions alone.
     pub deviation: T,
     /// Number of neighbours of the fits, 28 or more: results are those of regression jets with this
-    /// number, of degree 4 or 6, wherever these are possible. With `None` the number is chosen at every
-    /// vertex.
+    /// number, of degree 4 or 6, wherever the neighbours determine them. With `None` the number is chosen at
+    /// every vertex.
     pub neighbours: Option<usize>,
 }
 
 impl<T> AdaptiveJet<T> {
     /// Numbers of neighbours that are tried on a surface with noise, unless it has fewer vertices, or so many that
-    /// every second one suffices.
+    /// about half of these numbers suffice.
     pub const LADDER: [usize; 8] = [45, 64, 90, 128, 181, 256, 362, 512];
 }
 
@@ -168,10 +169,10 @@ pub enum Verdict {
     Unknown,
 }
 
-/// Cause of a verdict that error bars follow from.
+/// Cause of a verdict; it makes error bars wider or infinite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Cause {
-    /// Neighbours lie in rows, which do not determine the fit, or hardly.
+    /// Neighbours lie in rows, which determine the fit badly or not at all.
     Rows,
     /// A crease, corner or tip of the surface.
     Crease,
@@ -181,9 +182,9 @@ pub enum Cause {
     Outlier,
     /// The fit includes an outlier.
     BesideOutlier,
-    /// The component has too few vertices to tell an error.
+    /// The component has too few vertices for an estimate of errors.
     SmallComponent,
-    /// Vertices lie on the edges of a grid, whose ripples cannot be told from the shape.
+    /// Vertices lie on the edges of a grid, whose ripples cannot be distinguished from the shape.
     Grid,
 }
 
@@ -269,7 +270,7 @@ struct Begun<'s, T> {
     first: Option<Level<T>>,
 }
 
-/// The order of the names of some vertices: within a component, names have the order of all.
+/// Ranks of some vertices in the order of their names: a component keeps the order of the whole surface.
 fn ranks(names: &[u32], vertices: &[u32]) -> Vec<u32> {
     let mut order = Vec::from_iter(0..vertices.len());
     order.sort_unstable_by_key(|&place| names[vertices[place] as usize]);
@@ -374,8 +375,8 @@ impl<T: Real> AdaptiveJet<T> {
         })
     }
 
-    /// The jets of a connected surface, the noise by their residuals, and, if there is any, the first regression
-    /// jets, which limit it.
+    /// Computes the jets of a connected surface, the noise from their residuals, and, if there is noise, the first
+    /// regression jets, which limit its estimate.
     fn begin<'s>(
         &self,
         execution: &impl Execution,
@@ -427,7 +428,7 @@ impl<T: Real> AdaptiveJet<T> {
     fn ladder(&self, deviations: &Deviations<T>, ground: &Ground<'_, T>) -> Vec<usize> {
         let vertices = ground.normals.len();
         match self.neighbours {
-            // The fits with fewer neighbours have less bias, and are there for comparison.
+            // Fits with fewer neighbours have less bias: distances from them show the bias.
             Some(neighbours) => {
                 let narrow = (neighbours as f64 / 1.42).max(28.0) as usize;
                 let mut ladder = vec![Self::LADDER[0], narrow, neighbours.max(28)];

@@ -3,9 +3,9 @@
 //!
 //! If vertices lie in rows (on meshes by longitude and latitude, tubes, stacks of sections, swept
 //! surfaces), the nearest neighbours of a vertex may lie on one to three rows, along which a polynomial in
-//! two variables is not determined. Two signs show this without knowledge of the surface: the columns of
-//! the fit are dependent, in units of columns of evenly spread neighbours, and the polynomial has another
-//! curvature at the neighbours than the fits there.
+//! two variables is not determined. Two signs show this without knowledge of the surface: a column of the
+//! fit is nearly dependent on those before it, relative to its length for evenly spread neighbours; and the
+//! curvature of the polynomial at the neighbours is not that of the fits there.
 
 use super::fit::{HeightFit, Model};
 use super::normals;
@@ -21,31 +21,32 @@ use alloc::vec::Vec;
 /// Least spread of neighbours that determine a fit of degree 2 to 8: see [`HeightFit::spread`].
 const SPREAD: [f64; 7] = [0.1, 0.08, 0.06, 0.05, 0.03, 0.03, 0.015];
 
-/// Ratio of the spacings of vertices along and across rows from which on all fits share their errors;
-/// from which on fits that disagree are reported; and from which on vertices count as rows. On discocytes, ratios are
-/// up to 2.1 where vertices are even, and up to 2.8 where they are random; on isosurfaces up to 2.0.
+/// Ratios of the spacings of vertices across and along rows: from [`ELONGATED`] on, all fits share their errors; from
+/// [`DISAGREEING`] on, fits that disagree are reported; from [`ROWS`] on, vertices count as rows. On discocytes, ratios
+/// are up to 2.1 on even meshes, and up to 2.8 where vertices are random; on isosurfaces up to 2.0.
 pub(super) const ELONGATED: f64 = 1.9;
 const DISAGREEING: f64 = 2.2;
 pub(super) const ROWS: f64 = 2.9;
 
-/// Part of the curvature above which a disagreement is reported.
+/// Fraction of the curvature above which a disagreement in H is reported.
 pub(super) const REPORTED: f64 = 0.05;
 
-/// Factors of this part: coarse and noisy meshes without rows have larger disagreements.
+/// Factors of this fraction without and with rows: coarse and noisy meshes without rows have larger disagreements.
 const IN_DOUBT: [f64; 2] = [2.0, 1.0];
 
-/// Curvature, in inverse radii of a fit, that counts as none.
+/// Curvature, in inverse radii of a fit, below which a surface counts as flat.
 const FLAT: f64 = 1e-3;
 
-/// A fit and the fits around it.
+/// Comparison of a fit with the fits around it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Doubt<T> {
-    /// See [`HeightFit::spread`], over the least value of neighbours that determine the fit.
+    /// [`HeightFit::spread`], divided by the least value with which neighbours determine the fit.
     pub(super) spread: T,
-    /// The largest difference, at the vertices of the one-ring, between H, and K, of this fit there and of the
-    /// fits of these vertices; infinite if the fit has none of these vertices.
+    /// The largest differences in H and in K, over the one-ring, between this polynomial at a vertex and the
+    /// vertex's own fit; infinite if no vertex of the one-ring is among the neighbours of this fit.
     pub(super) apart: [T; 2],
-    /// The same for Δ_S H: the change by these differences, and the root of the sum of its squared terms.
+    /// The effect of differences in H on Δ_S H: the absolute value of its sum over the neighbours, if the sum is
+    /// known, plus twice the root of the sum of its squared terms.
     pub(super) of_laplacian: T,
     /// The distance of the farthest neighbour.
     pub(super) radius: T,
@@ -61,8 +62,8 @@ pub(super) struct Fields<'a, T> {
 }
 
 impl<T: Real> Doubt<T> {
-    /// The doubt about the last fit, over the plane of `normal`, by its coefficients of a degree and its row of
-    /// Δ_S. `neighbours` are those of the fit, in its order.
+    /// The doubt about the last fit over the plane of `normal`, from its coefficients up to `degree`. `neighbours`
+    /// are those of the fit, in its order; `laplacian` is its row of Δ_S, or empty.
     pub(super) fn new(
         fit: &HeightFit<T>,
         model: &Model<T>,
@@ -114,7 +115,7 @@ impl<T: Real> Doubt<T> {
         self.spread >= T::one()
     }
 
-    /// This part of the largest curvature, as a limit of disagreements in H.
+    /// The fraction `part` of the largest curvature, as a limit of disagreements in H.
     pub(super) fn limit(&self, part: f64, curvature: T) -> T {
         let flat = T::constant(FLAT) * self.radius.reciprocal_or_zero();
         T::constant(part) * curvature.max(flat)
@@ -126,12 +127,12 @@ pub(super) fn larger<T: Real>(a: T, b: T) -> T {
     if a.is_nan() || a >= b { a } else { b }
 }
 
-/// The largest principal curvature, without its sign.
+/// The largest absolute value of the principal curvatures.
 pub(super) fn largest_curvature<T: Real>(mean: T, gaussian: T) -> T {
     mean.abs() + (mean * mean - gaussian).max(T::zero()).sqrt()
 }
 
-/// The largest ratio of the spacings along and across rows at the vertices within two edges of each.
+/// The largest ratio of the spacings across and along rows within two edges of each vertex.
 pub(super) fn aspects<T: Real>(surface: Surface<'_, T>, normals: &[Vec3<T>]) -> Vec<T> {
     let own = (0..normals.len()).map(|vertex| spacing(surface, normals, vertex).aspect);
     let mut most = Vec::from_iter(own);
@@ -148,8 +149,8 @@ pub(super) fn aspects<T: Real>(surface: Surface<'_, T>, normals: &[Vec3<T>]) -> 
 }
 
 /// Reports the vertices in rows whose fits are not determined, or disagree with those of their neighbours.
-/// `fitted` returns the model and the number of neighbours of a vertex, `mean` has H of the fits, or nothing if it
-/// is not to be compared.
+/// `fitted` returns the model and the number of neighbours of a vertex. `mean` has H of the fits; if it is empty, H
+/// is not compared.
 pub(crate) fn report_rows<T: Real>(
     surface: Surface<'_, T>,
     fitted: impl Fn(usize) -> Option<(Model<T>, usize)>,

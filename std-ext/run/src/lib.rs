@@ -2,7 +2,7 @@
 //!
 //! * [`run`]: a run of a scene in a folder; [`sweep`]: a scene with every combination of some
 //!   values.
-//! * [`checkpoint`]: the stored state of a run. [`plots`]: plots of its numbers over time, beside
+//! * [`checkpoint`]: the stored state of a run. [`plots`]: plots of numbers of runs over time, with
 //!   published curves.
 //! * [`lock`]: exclusive access to folders and files.
 
@@ -16,7 +16,7 @@ pub mod png;
 pub mod run;
 pub mod sweep;
 
-// What the modules name as items of this crate.
+// Modules of other packages, which the modules here name by `crate::`.
 use helfrich_draw::picture;
 use helfrich_evaluate::{effect, execute, held, method, scalar};
 use helfrich_mesh::{enclosure, generate, info, io};

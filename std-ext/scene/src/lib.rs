@@ -10,7 +10,7 @@ pub mod simulation;
 #[doc(hidden)]
 pub mod six;
 
-// What the modules name as items of this crate.
+// Modules of other packages, which the modules here name by `crate::`.
 use helfrich_evaluate::{checked, contact, effect, execute, held, method, noise, ordered, scalar};
 use helfrich_mesh::{enclosure, generate, info, io};
 use helfrich_solve::{dynamics, flow};

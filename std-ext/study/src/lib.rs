@@ -1,9 +1,9 @@
-//! Studies of the methods of [`helfrich`], measurements with them, and reports.
+//! Studies of the methods of [`helfrich`], measurements of surfaces, and reports.
 //!
 //! * [`study`]: accuracy and cost of the methods; [`verdict`]: whether they converge;
 //!   [`answer`]: the cheapest method for an accuracy; [`recommend`]: the cheapest method on a mesh
 //!   of the user.
-//! * [`measurement`]: curvatures with error bars, by jets that choose their scale from the noise.
+//! * [`measurement`]: curvatures with error bars, by jets whose scale is chosen from the noise.
 //! * [`provenance`]: program, compiler and machine of measurements.
 //! * [`report`]: tables, CSV and HTML of results, also of runs and sweeps.
 
@@ -15,7 +15,7 @@ pub mod report;
 pub mod study;
 pub mod verdict;
 
-// What the modules name as items of this crate.
+// Modules of other packages, which the modules here name by `crate::`.
 use helfrich_draw::picture;
 use helfrich_evaluate::{execute, method, noise, scalar};
 use helfrich_mesh::{generate, info, io};

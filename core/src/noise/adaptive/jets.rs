@@ -1,7 +1,8 @@
 //! The jets of a mesh without noise, with the degree that suits the shape and the mesh, and their errors.
 //!
-//! Jets of two degrees over different numbers of neighbours have different errors: their distance shows that of
-//! the less accurate one. The disagreement of each with its neighbours shows which one that is.
+//! Jets of two degrees have different numbers of neighbours and different errors: the distance between them
+//! shows the error of the less accurate jet, which is the one that disagrees more with the jets at neighbouring
+//! vertices.
 
 use super::level::Level;
 use super::{FORCE, Ground, LOCAL, ONE_STAGE, QUANTITIES};
@@ -20,37 +21,38 @@ use core::array::from_fn;
 use core::f64::consts::PI;
 use core::iter::zip;
 
-/// Number of vertices below which degree 4 may be better than 6: it is where 56 neighbours are a large part of the
-/// surface, but on a patch of little curvature, degree 6 has a tenth of its errors.
+/// Number of vertices below which degree 4 may be better than 6. It is better where 56 neighbours are a large part of
+/// the surface; on a patch of little curvature, degree 6 has a tenth of the errors of degree 4.
 const COARSE: usize = 1000;
 
-/// Part of the disagreement of degree 6 that degree 8 needs: on coarse meshes that have a little less, f of degree
-/// 8 is up to three times as far off.
+/// Ratio of the disagreements of degrees 8 and 6 below which degree 8 is chosen: on coarse meshes where it is only a
+/// little below 1, errors of f of degree 8 are up to three times those of degree 6.
 const BETTER: f64 = 0.5;
 
-/// Largest ratio of the disagreements of degrees 8 and 6, averaged around a vertex, at which there is no noise that
-/// matters, and part of the vertices that may have a larger one: noise has about 1. Exact meshes of 10 242 vertices
-/// had at most 0.4, exact ellipsoids of 2562 vertices, too.
+/// Largest ratio of the disagreements of degrees 8 and 6, averaged around a vertex, at which noise does not matter,
+/// and fraction of the vertices where it may be larger. Noise has a ratio of about 1. Exact meshes of 10 242 vertices
+/// and exact ellipsoids of 2562 had at most 0.4.
 const QUIET: f64 = 0.5;
 const LOUD: f64 = 0.01;
 
-/// Error bars of jets on a mesh without noise, in units of root mean square distances over [`LOCAL`] vertices from jets
-/// of another degree; and where the others disagree more with their neighbours, in units of the distances times the
-/// ratio of the disagreements. On even meshes f gains less than that, and has at least the effect of the disagreements
-/// on its row, times the last factor.
+/// Factors of error bars of jets on a mesh without noise. A bar is [`FROM_OTHER`] times the root mean square distance,
+/// over [`LOCAL`] vertices, from jets of another degree. It is multiplied by [`OF_BETTER`] times the ratio of the
+/// disagreements of these and of the other jets if this shortens it. On even meshes f gains less than this ratio: its
+/// bar is then at least [`OF_ROW`] times the effect of the disagreements on Δ_S H.
 const FROM_OTHER: f64 = 3.0;
 const OF_BETTER: f64 = 1.25;
 const OF_ROW: f64 = 0.8;
 
-/// The least error bar of H and K, in units of the root mean square of the largest disagreements with neighbours: noise
-/// that is too small to be found disturbs jets of both degrees alike, so that their distance does not show it. On a hard
-/// torus of aspect 0.4 with 1e-5 edges it takes the share of H within its bars from 0.74 to 0.96. The price is the
-/// median bar of exact meshes: up to 51 median errors of H and 87 of K, on a relaxed ellipsoid.
+/// The least error bar of H and K, in units of the root mean square of the largest disagreements with neighbours:
+/// noise that is too small to be found disturbs jets of both degrees alike, so that their distance does not show it.
+/// On a hard torus of aspect 0.4 with noise of 1e-5 edges it raises the fraction of vertices with H within its bar
+/// from 0.74 to 0.96. The price is longer bars on exact meshes: their median is up to 51 median errors of H and 87 of
+/// K, on a relaxed ellipsoid.
 const OF_RING: f64 = 1.4;
 
-/// The same near a boundary, from fits over more neighbours. On 27 meshes of nine shapes 99 % of the errors of H, K and
-/// f were below 1.5 such distances in the median case and below 3.9 in the worst, and the distance was at most 5.8
-/// median errors.
+/// Error bars of jets near a boundary, in units of root mean square distances from fits over more neighbours. On 27
+/// meshes of nine shapes 99 % of the errors of H, K and f were below 1.5 such distances in the median case and below
+/// 3.9 in the worst, and the distance was at most 5.8 median errors.
 const FROM_WIDER: f64 = 4.0;
 
 /// Jets around every vertex.
@@ -62,12 +64,13 @@ pub(super) struct Jets<T> {
     pub(super) values: [Vec<T>; QUANTITIES],
     pub(super) degrees: Vec<u8>,
     pub(super) neighbours: Vec<u32>,
-    /// Doubts by the disagreement with neighbours; `None` without a fit, or where it is one-sided.
+    /// Doubts from disagreements with neighbouring fits; `None` without a fit, or where the fit is one-sided.
     pub(super) doubts: Vec<Option<Doubt<T>>>,
-    /// The distances of H, K and f from those of jets of another degree, and the disagreements of those.
+    /// The distances of H, K and f from those of jets of another degree.
     pub(super) distances: [Vec<T>; QUANTITIES],
+    /// The disagreements in H of the jets of another degree.
     pub(super) other_apart: Vec<T>,
-    /// The polynomials of the highest degree.
+    /// The polynomials where the degree was not lowered.
     pub(super) model: Model<T>,
 }
 
@@ -170,7 +173,7 @@ impl<T: Real> Jets<T> {
         }
     }
 
-    /// The mean squares of the disagreements in H of these jets and of the others around every vertex.
+    /// The mean squares, around every vertex, of the disagreements in H: of these jets, and of jets of another degree.
     fn disagreements(&self, execution: &impl Execution, ground: &Ground<'_, T>) -> [Vec<T>; 2] {
         let own = Vec::from_iter(self.doubts.iter().map(apart));
         [&own, &self.other_apart].map(|apart| {
@@ -179,8 +182,8 @@ impl<T: Real> Jets<T> {
         })
     }
 
-    /// Whether degree 8 gains so much that no noise matters. Noise of H amplifies with the degree as much as that of f,
-    /// and hides the shape from f first.
+    /// Whether degree 8 gains so much that noise does not matter. Noise of H grows with the degree by the same factor as
+    /// noise of f, which hides the shape first.
     pub(super) fn are_quiet(&self, execution: &impl Execution, ground: &Ground<'_, T>) -> bool {
         if self.model.degree <= 6 {
             return false;
@@ -193,8 +196,8 @@ impl<T: Real> Jets<T> {
         quiet as f64 >= (1.0 - LOUD) * self.doubts.len() as f64
     }
 
-    /// The squares of the error bars of H, K and f without noise. Near a boundary these need jets over more neighbours,
-    /// and are NaN without.
+    /// The squares of the error bars of H, K and f without noise. Near a boundary they follow from `wider`, jets over
+    /// more neighbours, and are NaN if it is `None`.
     pub(super) fn squared_errors(
         &self,
         execution: &impl Execution,
@@ -247,7 +250,7 @@ impl<T: Real> Jets<T> {
         })
     }
 
-    /// Takes the values of one-sided fits near a boundary.
+    /// Replaces values near a boundary by those of one-sided fits.
     pub(super) fn take_one_sided(&mut self, ground: &Ground<'_, T>, twin: &Level<T>) {
         let [_, one_sided] = &twin.of_degrees;
         for (values, one_sided) in self.values.iter_mut().zip(&one_sided.values) {
