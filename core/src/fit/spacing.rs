@@ -39,7 +39,7 @@ impl<T: Real> Spacing<T> {
     }
 }
 
-/// The mean over a vertex and its neighbours of the ratio of the spacings along and across rows, and the
+/// The mean over a vertex and its neighbours of the ratio of the spacings across and along rows, and the
 /// direction of the rows: of the logarithms of the tensors `Σ e eᵀ` of the edges around each, in the tangent
 /// plane.
 ///
