@@ -25,17 +25,17 @@ pub use face_tree::MeshPoint;
 /// Most steps of a projection.
 const STEPS: usize = 30;
 
-/// At the centroids of irregular meshes of ellipsoids and tori, 99 of 100 errors of the position are at most 4.1 times the
-/// largest disagreement; on spheres, where neighbouring fits share their errors, 95 of 100.
+/// At the centroids of irregular meshes of ellipsoids and tori, 99 of 100 errors of the position are at most 4.1 times
+/// the largest disagreement; on spheres, where neighbouring fits share their errors, 95 of 100.
 const DOUBTED: f64 = 4.0;
 
 /// The smooth surface through the vertices of a mesh: around each vertex the polynomial that [`Jet`] fits, and over
 /// each triangle a blend of the polynomials of its corners.
 ///
-/// Polynomials of degree d are fitted once, when the surface is made, which keeps a copy of the mesh. Positions have errors of order d + 1 in the edge
-/// length, H and K of order d − 1. The surface passes through the vertices, is continuous, and has kinks of order d at
-/// edges and none at vertices. Corners without a fit do not take part in a blend; without any, points are those of the
-/// flat triangle, and curvatures NaN.
+/// Polynomials of degree d are fitted once, when the surface is made, which keeps a copy of the mesh. Positions have
+/// errors of order d + 1 in the edge length, H and K of order d − 1. The surface passes through the vertices, is
+/// continuous, and has kinks of order d at edges and none at vertices. Corners without a fit do not take part in a blend;
+/// without any, points are those of the flat triangle, and curvatures NaN.
 ///
 /// Source: Y. Li, X. Zhao, N. Ray and X. Jiao, arXiv:1901.08036 (2019), and X. Jiao and D. Wang, cited there.
 ///
@@ -160,9 +160,9 @@ impl<T: Real> SmoothSurface<T> {
     /// The point over a place of the mesh.
     ///
     /// The polynomial of corner i has a point s_i beside the point of the flat triangle, with the normal n_i. With the
-    /// barycentric coordinates λ, weights are `w_i = λ_i²/Σ λ_j²`; H, K and n are the means of those at the points s_i. These
-    /// lie side by side, and their mean q inside a curved surface: the position is `q + n Σ w_i t_i`, where the polynomial
-    /// of corner i is at `q + t_i n`.
+    /// barycentric coordinates λ, weights are `w_i = λ_i²/Σ λ_j²`; H, K and n are the means of those at the points s_i.
+    /// These lie side by side, and their mean q inside a curved surface: the position is `q + n Σ w_i t_i`, where the
+    /// polynomial of corner i is at `q + t_i n`.
     ///
     /// # Panics
     /// If there is no such triangle.
@@ -176,10 +176,9 @@ impl<T: Real> SmoothSurface<T> {
             terms.fold([T::zero(); 3], add)
         };
         let number = |of: &dyn Fn(&Corner<T>) -> T| -> T {
-            corners
-                .iter()
-                .map(|corner| corner.weight * of(corner))
-                .sum()
+            // Without the others, of which errors are infinite.
+            let blended = corners.iter().filter(|corner| corner.weight > T::zero());
+            blended.map(|corner| corner.weight * of(corner)).sum()
         };
         let middle = vector(|found| found.offset);
         let normal = normalise(vector(|found| found.normal));

@@ -9,7 +9,7 @@ use helfrich::{
     OsmoticPressure, PointLoads, Reordering, Skalak, StrainEnergy, Surface, SurfaceTension,
     Targets, TriangleMesh, WallAdhesion,
 };
-use helfrich_std::effect::{CompiledPotential, Effect, Lumping, Part, in_plane};
+use helfrich_std::effect::{CompiledPotential, Effect, Lumping, MembranePart, in_plane};
 use helfrich_std::held::Geometry;
 use helfrich_std::method::BendingMethod;
 use numpy::{PyArray1, PyArrayMethods};
@@ -248,7 +248,7 @@ impl<'py> Reader<'_, 'py> {
     }
 
     /// A quantity that is held exactly, or whose penalty acts.
-    fn quantity(&self, name: &'static str, functional: AnyFunctional) -> PyResult<Part> {
+    fn quantity(&self, name: &'static str, functional: AnyFunctional) -> PyResult<MembranePart> {
         let targets = self.targets("target")?;
         let exact: bool = checked("flag", &self.get("exact")?, "exact")?.extract()?;
         if exact && !self.get("modulus")?.is_none() {
@@ -257,7 +257,7 @@ impl<'py> Reader<'_, 'py> {
             ));
         }
         let modulus = (!exact).then(|| self.number("modulus")).transpose()?;
-        Part::keeping(name, functional, modulus, targets, self.ground.own).map_err(invalid)
+        MembranePart::keeping(name, functional, modulus, targets, self.ground.own).map_err(invalid)
     }
 }
 
@@ -269,14 +269,14 @@ pub(crate) fn bending_method(described: &Bound<'_, PyAny>) -> Option<BendingMeth
 }
 
 /// The part of a membrane that an object describes, ready for a mesh.
-pub(crate) fn part(described: &Bound<'_, PyAny>, ground: &Ground<'_>) -> PyResult<Part> {
+pub(crate) fn part(described: &Bound<'_, PyAny>, ground: &Ground<'_>) -> PyResult<MembranePart> {
     let reader = Reader { described, ground };
     let class = described.get_type().name()?.to_string();
     match class.as_str() {
         "Area" => reader.quantity("area", ground.geometry.area),
         "Volume" => reader.quantity("volume", ground.geometry.volume),
         "AreaDifference" => reader.quantity("area_difference", AnyFunctional::MeanCurvature),
-        _ => effect(&reader, &class).map(Part::Acting),
+        _ => effect(&reader, &class).map(MembranePart::Acting),
     }
 }
 

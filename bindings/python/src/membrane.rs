@@ -5,7 +5,7 @@ use crate::effects::{Ground, bending_method, part};
 use crate::failure::{Fault, invalid};
 use crate::work::{on_threads, prepared_for};
 use helfrich::{ConstraintError, Constraints, Method, Prepared, Quality, Surface, TriangleMesh};
-use helfrich_std::effect::{Effect, Part};
+use helfrich_std::effect::{Effect, MembranePart};
 use helfrich_std::held::Geometry;
 use helfrich_std::method::BendingMethod;
 use helfrich_std::ordered::Ordered;
@@ -372,8 +372,8 @@ impl Membrane {
         prepared_for(threads, || {
             for described in effects {
                 match part(&described, &ground)? {
-                    Part::Acting(effect) => acting.push(effect),
-                    Part::Held(constraint) => constraints.push(constraint),
+                    MembranePart::Acting(effect) => acting.push(effect),
+                    MembranePart::Held(constraint) => constraints.push(constraint),
                 }
             }
             Ok(())

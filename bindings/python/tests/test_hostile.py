@@ -115,6 +115,13 @@ CALLS = {
         of("mass|areas", [None, *TEXT], lambda value: h.laplacian(V, F, mass=value)),
     ],
     "gradient": [of_mesh(h.gradient)],
+    "surface": [
+        of_mesh(h.surface),
+        of("method", [None, *TEXT], lambda value: h.surface(V, F, method=value)),
+        of("faces", [None, -1, 80, 2**70, 0.5, NAN, "a", [[0]]], lambda value: h.surface(V, F).at(value, [[1, 0, 0]])),
+        of("weights", [None, [[1, 1, 1]], [[NAN] * 3], [[1, 0]], "a"], lambda value: h.surface(V, F).at([0], value)),
+        of("points", [None, [[NAN] * 3], [[INF] * 3], [[1, 0]], "a"], lambda value: h.surface(V, F).project(value)),
+    ],
     "bending_energy": [
         of_mesh(h.bending_energy),
         of("kappa|modulus", MATERIAL, lambda value: h.bending_energy(V, F, kappa=value)),

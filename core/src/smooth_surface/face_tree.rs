@@ -15,7 +15,7 @@ const LEAF: usize = 4;
 
 /// A box, and its children, or the triangles of a leaf.
 #[derive(Clone, Debug)]
-struct Node<T> {
+struct BoxNode<T> {
     low: Vec3<T>,
     high: Vec3<T>,
     /// The triangles below, as places in the order of the tree.
@@ -37,7 +37,7 @@ pub struct MeshPoint<T> {
 /// The triangles of a surface in a binary tree of boxes.
 #[derive(Clone, Debug)]
 pub(crate) struct FaceTree<T> {
-    nodes: Vec<Node<T>>,
+    nodes: Vec<BoxNode<T>>,
     order: Vec<u32>,
 }
 
@@ -117,7 +117,7 @@ impl<T: Real> FaceTree<T> {
     }
 }
 
-impl<T: Real> Node<T> {
+impl<T: Real> BoxNode<T> {
     fn squared_distance(&self, point: Vec3<T>) -> T {
         let sides = zip(point, zip(self.low, self.high));
         let outside = sides.map(|(at, (low, high))| (low - at).max(at - high).max(T::zero()));
@@ -130,7 +130,7 @@ fn divide<T: Real>(
     boxes: &[[Vec3<T>; 2]],
     order: &mut [u32],
     place: u32,
-    nodes: &mut Vec<Node<T>>,
+    nodes: &mut Vec<BoxNode<T>>,
 ) {
     let mut low = [T::infinity(); 3];
     let mut high = [-T::infinity(); 3];
@@ -142,7 +142,7 @@ fn divide<T: Real>(
         }
     }
     let own = nodes.len();
-    nodes.push(Node {
+    nodes.push(BoxNode {
         low,
         high,
         start: place,

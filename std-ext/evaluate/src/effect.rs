@@ -214,14 +214,14 @@ pub fn in_plane<W: StrainEnergy<f64>>(
 
 /// A part of a membrane.
 #[derive(Debug)]
-pub enum Part {
+pub enum MembranePart {
     /// An effect that acts by its forces.
     Acting(Effect),
     /// A quantity of each component that is held exactly.
     Held(Constraint<f64>),
 }
 
-impl Part {
+impl MembranePart {
     /// Area, volume or area difference, kept at targets by a penalty with this modulus, or exactly without one.
     ///
     /// # Errors

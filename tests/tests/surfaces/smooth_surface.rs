@@ -109,8 +109,8 @@ fn means_of_points_do_not_sink_into_the_surface() {
     }
 }
 
-/// The limits are twice the largest errors: those of an order below that of H would be ten times as large. At midpoints of
-/// edges the directions of two fits cancel unless they have the same sign.
+/// The limits are twice the largest errors, which differ by their orders. At midpoints of edges the directions of two fits
+/// cancel unless they have the same sign.
 #[test]
 fn normals_gaussian_curvatures_and_principal_directions_are_those_of_the_surface() {
     let made = made("torus:1,0.5", Family::Irregular, 2562);
@@ -120,15 +120,18 @@ fn normals_gaussian_curvatures_and_principal_directions_are_those_of_the_surface
         let around = x.hypot(y);
         let outward =
             [x * (1.0 - 1.0 / around), y * (1.0 - 1.0 / around), z].map(|entry| 2.0 * entry);
-        assert!(norm(difference(point.normal, outward)) < 1e-4, "{point:?}");
+        assert!(
+            norm(difference(point.normal, outward)) < 2.4e-4,
+            "{point:?}"
+        );
         let gaussian = 4.0 * (around - 1.0) / around;
-        assert!((point.gaussian - gaussian).abs() < 0.02, "{point:?}");
+        assert!((point.gaussian - gaussian).abs() < 8e-3, "{point:?}");
         let [larger, smaller] = point.principal();
-        assert!((larger - 2.0).abs() < 0.01, "{point:?}");
-        assert!((larger * smaller - gaussian).abs() < 0.02, "{point:?}");
+        assert!((larger - 2.0).abs() < 5.5e-3, "{point:?}");
+        assert!((larger * smaller - gaussian).abs() < 8e-3, "{point:?}");
         // Around the tube.
         let azimuthal = [-y / around, x / around, 0.0];
-        assert!(dot(point.direction, azimuthal).abs() < 1e-2, "{point:?}");
+        assert!(dot(point.direction, azimuthal).abs() < 8e-4, "{point:?}");
         assert!((norm(point.direction) - 1.0).abs() < ROUNDING, "{point:?}");
     }
 }

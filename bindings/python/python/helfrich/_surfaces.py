@@ -92,6 +92,11 @@ def surface(V: Any, F: Any = None, *, method: str = "jet") -> Surface:
     method : str
         The degree of the polynomials: "j4", "j6" or "j8", or "jet", which chooses by the number of vertices.
 
+    Returns
+    -------
+    Surface
+        Its method `at` has the points, and `project` finds the places that are nearest to given ones.
+
     Raises
     ------
     MeshError

@@ -6,7 +6,7 @@ use super::super::units::Dimension;
 use super::{
     EffectError, Effects, Geometry, MeshCheck, Parameter, Parameters, Preparation, Reader,
 };
-use crate::effect::Part;
+use crate::effect::MembranePart;
 use crate::six::Six;
 use helfrich::{AnyFunctional, Targets};
 use serde::Serialize;
@@ -137,9 +137,9 @@ impl Preparation<'_> {
         quantity: AnyFunctional,
         targets: Targets<f64>,
     ) -> Result<(), EffectError> {
-        match Part::keeping(name, quantity, hold.modulus(), targets, self.mesh())? {
-            Part::Held(constraint) => self.constraints.push((name, constraint)),
-            Part::Acting(effect) => self.forces.push(effect),
+        match MembranePart::keeping(name, quantity, hold.modulus(), targets, self.mesh())? {
+            MembranePart::Held(constraint) => self.constraints.push((name, constraint)),
+            MembranePart::Acting(effect) => self.forces.push(effect),
         }
         Ok(())
     }
