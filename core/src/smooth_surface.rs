@@ -105,7 +105,7 @@ impl<T: Real> SmoothPoint<T> {
     }
 }
 
-/// What a corner of a triangle has beside a place.
+/// A corner of a triangle, with its part of a blend.
 #[derive(Clone, Copy)]
 struct Corner<T> {
     vertex: usize,
@@ -120,7 +120,9 @@ impl<T: Real> SmoothSurface<T> {
     pub fn new(execution: &impl Execution, surface: Surface<'_, T>, jet: &Jet<T>) -> Self {
         let mesh = surface.mesh();
         let mut workspace = jet.workspace(mesh);
-        workspace.for_mesh_mut(mesh).keep_polynomials(jet.degree);
+        workspace
+            .for_mesh_mut(mesh)
+            .keep_polynomials(jet.highest_degree());
         let mut vertices = vec![Curvature::default(); mesh.vertex_count()];
         jet.curvatures(execution, surface, &mut workspace, &mut vertices);
         let memory = workspace.memory();

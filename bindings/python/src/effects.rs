@@ -23,7 +23,7 @@ pub(crate) struct Ground<'a> {
     /// The same in the order of evaluation.
     pub(crate) own: &'a TriangleMesh,
     pub(crate) order: Option<&'a Reordering>,
-    /// What stands for area and volume.
+    /// The functionals for area and volume.
     pub(crate) geometry: Geometry,
 }
 

@@ -238,7 +238,8 @@ impl<T: Real> Jet<T> {
         })
     }
 
-    fn highest_degree(&self) -> usize {
+    /// The degree of the first attempt, within the possible ones.
+    pub(crate) fn highest_degree(&self) -> usize {
         self.degree.clamp(2, HIGHEST_DEGREE)
     }
 

@@ -11,9 +11,9 @@ use std::sync::Arc;
 /// The functionals by which area and enclosed volume of a surface are held and reported.
 #[derive(Clone, Copy, Debug)]
 pub struct Geometry {
-    /// Of the area.
+    /// The functional for the area.
     pub area: AnyFunctional,
-    /// Of the volume.
+    /// The functional for the volume.
     pub volume: AnyFunctional,
 }
 

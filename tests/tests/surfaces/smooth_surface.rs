@@ -325,6 +325,53 @@ fn one_triangle<T: Real>() -> (TriangleMesh, [[T; 3]; 3]) {
     (mesh, [[zero; 3], [one, zero, zero], [zero, one, zero]])
 }
 
+/// A vertex whose triangles have no area has no fit: it takes no part, and its unknown errors do not hide those of the
+/// other corners.
+#[test]
+fn corners_without_fits_take_no_part() {
+    let mesh = meshes::icosphere(2);
+    let mut positions = mesh.positions.clone();
+    for &other in mesh.connectivity.one_ring(0) {
+        positions[other as usize] = positions[0];
+    }
+    let surface = Surface::new(&mesh.connectivity, &positions).expect("positions");
+    let smooth = SmoothSurface::new(&Serial, surface, &Jet::j4());
+    assert_eq!(smooth.vertices()[0].normal, [0.0; 3]);
+    let mut blended = 0;
+    for (triangle, corners) in mesh.connectivity.triangles().iter().enumerate() {
+        let point = smooth.at(MeshPoint {
+            triangle,
+            barycentric: [1.0 / 3.0; 3],
+        });
+        assert!(!point.position_error.is_nan(), "{triangle}");
+        assert!(
+            point.curvature_errors.iter().all(|error| !error.is_nan()),
+            "{triangle}"
+        );
+        blended += usize::from(corners.contains(&0) && point.mean.is_finite());
+    }
+    assert!(blended > 0);
+}
+
+/// Degrees that are not possible are those next to them.
+#[test]
+fn any_degree_of_a_jet_has_a_surface() {
+    let mesh = meshes::icosphere(2);
+    for degree in [0, 1, 20] {
+        let jet = Jet {
+            degree,
+            ..Jet::j4()
+        };
+        let smooth = SmoothSurface::new(&Serial, mesh.surface(), &jet);
+        let point = smooth.at(MeshPoint {
+            triangle: 0,
+            barycentric: [1.0 / 3.0; 3],
+        });
+        // Degree 2, of which the inversion flattens a sphere.
+        assert!((norm(point.position) - 1.0).abs() < 1e-3, "{degree}");
+    }
+}
+
 /// Three vertices determine no polynomial: the point is flat, and says so.
 #[test]
 fn without_fits_points_are_flat_and_curvatures_unknown() {

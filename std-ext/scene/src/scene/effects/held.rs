@@ -72,7 +72,7 @@ impl Hold {
 }
 
 impl Effects {
-    /// What stands for area and volume of the surface. In a flow nodal forces over areas act, and those of
+    /// The functionals for area and volume of the surface. In a flow nodal forces over areas act, and those of
     /// patches do not converge.
     pub fn geometry(&self, driver: &Driver) -> Geometry {
         let bending = self.bending.iter().map(|bending| bending.method);
