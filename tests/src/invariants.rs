@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use helfrich::{TriangleMesh, VertexKind};
-use helfrich_std::io::{Format, ParseError, parse, parse_with_columns};
+use helfrich_std::io::{ColumnPlace, Format, ParseError, parse, parse_with_columns};
 
 /// Parses bytes. If they are accepted, positions must be finite, vertices must exist, and columns must
 /// have one number per vertex.
@@ -21,8 +21,13 @@ pub fn check_reader(bytes: &[u8], format: Format) {
             match parse_with_columns(bytes, format) {
                 Ok((same, columns)) => {
                     assert_eq!(same, file);
-                    let length = file.positions.len();
-                    assert!(columns.iter().all(|column| column.values.len() == length));
+                    for column in columns {
+                        let length = match column.place {
+                            ColumnPlace::Vertices => file.positions.len(),
+                            ColumnPlace::Triangles => file.mesh.triangles().len(),
+                        };
+                        assert_eq!(column.values.len(), length);
+                    }
                 }
                 Err(error) => check_message(&error),
             }

@@ -1,4 +1,4 @@
-//! Mesh files: reads and writes OBJ, OFF, STL (ASCII and binary), PLY (ASCII and binary) and VTP.
+//! Mesh files: reads the formats of [`Format`], also compressed by gzip, and writes some of them.
 //!
 //! Coordinates keep the unit of the file and all digits of `f64`. A convex polygon is split into
 //! the fan of triangles around its first corner: (a, b, c, d, …) becomes (a, b, c), (a, c, d), …; others are
@@ -11,11 +11,20 @@
 //! A file is read completely and parsed from memory; it may take up to half of the free memory. From
 //! pipes and devices at most 1 GiB is read. For any bytes the parsers return a mesh or an error, in
 //! time and memory proportional to the length of the file: where a file can state a number many times, or
-//! compressed, its numbers may take 64 MiB and 16 times its length, or 256 times if it is compressed. A byte order mark before a text is skipped.
+//! compressed, its numbers may take 64 MiB and 16 times its length, or 256 times if it is compressed; a file that is
+//! compressed as a whole may be so much longer when it is unpacked. A byte order mark before a text is skipped.
 
 mod budget;
 mod builder;
+mod cells;
 mod decimal;
+mod format;
+mod gifti;
+mod gltf;
+mod gzip;
+mod legacy;
+mod msh;
+mod number;
 mod obj;
 mod off;
 mod ply;
@@ -23,6 +32,8 @@ mod replace;
 mod sha256;
 mod stl;
 mod text;
+mod three_mf;
+mod tokens;
 mod vti;
 mod vtk;
 mod vtp;
@@ -30,8 +41,10 @@ mod weld;
 mod whole;
 mod write;
 mod xml;
+mod zip;
 
 pub use decimal::{push_fields, push_number};
+pub use format::Format;
 pub use replace::{
     LOCK_NAME, UNFINISHED, check_replaceable, is_same_file, remove_unfinished, replace_file,
 };
@@ -41,7 +54,7 @@ pub use vtk::{PointField, PointValues, VtkError};
 pub use vtp::{Collection, CollectionEntry, write_vtp, write_vtp_with_cells};
 pub use weld::{Welded, weld};
 pub use whole::{free_memory, read_whole, without_mark};
-pub use write::{WriteError, write, write_to};
+pub use write::{WriteError, write, write_to, write_with_colours};
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -73,11 +86,11 @@ impl MeshFile {
     }
 }
 
-/// Numbers at the vertices or the triangles of a mesh file: an array of VTP's point data or cell data
-/// with one component, or a property of PLY's vertices or faces.
+/// Numbers at the vertices or the triangles of a mesh file: an array of VTK's point data or cell data
+/// with one component, a property of PLY's vertices or faces, and their like in MSH and GIFTI.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
-    /// Name of the array or property.
+    /// Name of the array or property; in MSH also `gmsh:physical` and `gmsh:geometrical`, the numbers of groups.
     pub name: String,
     /// The parts of the mesh that have its numbers.
     pub place: ColumnPlace,
@@ -93,51 +106,6 @@ pub enum ColumnPlace {
     Vertices,
     /// The triangles.
     Triangles,
-}
-
-/// The formats that can be read and written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum Format {
-    /// Wavefront OBJ: `v` and `f` statements. Everything else is skipped, including free-form surfaces.
-    Obj,
-    /// Object File Format, text, three coordinates per vertex: `OFF`, and the variants with normals,
-    /// colours or texture coordinates behind the position (`COFF`, `NOFF`, `STOFF`, …).
-    Off,
-    /// Stereolithography, ASCII or binary. Corners with the same coordinates, bit for bit, become
-    /// one vertex, numbered in the order in which they first appear; −0 counts as 0.
-    Stl,
-    /// Polygon File Format (Stanford), ASCII or binary, little or big endian.
-    Ply,
-    /// Polygons of VTK's PolyData in XML: as text, in base64 or appended, raw or compressed by
-    /// zlib, with pieces one after another. Lines and single vertices are skipped.
-    Vtp,
-}
-
-impl Format {
-    /// The format for the ending of a file name, in upper or lower case.
-    pub fn from_extension(path: &Path) -> Option<Self> {
-        let extension = path.extension()?.to_str()?.to_ascii_lowercase();
-        match extension.as_str() {
-            "obj" => Some(Self::Obj),
-            "off" => Some(Self::Off),
-            "stl" => Some(Self::Stl),
-            "ply" => Some(Self::Ply),
-            "vtp" => Some(Self::Vtp),
-            _ => None,
-        }
-    }
-
-    /// The format for the first word of a file. OBJ and binary STL have no such word.
-    pub fn from_content(bytes: &[u8]) -> Option<Self> {
-        match text::Text::new(without_mark(bytes)).statement()? {
-            b"ply" => Some(Self::Ply),
-            b"<?xml" | b"<VTKFile" => Some(Self::Vtp),
-            b"solid" => Some(Self::Stl),
-            header if off::is_header(header) => Some(Self::Off),
-            _ => None,
-        }
-    }
 }
 
 /// Reason why a file could not be read. The message is one line that starts with the name of the file.
@@ -164,8 +132,8 @@ pub enum ReadError {
         /// The error of the operating system.
         error: std::io::Error,
     },
-    /// Neither the ending of the name nor the first word identifies the format.
-    #[error("{}: unknown format: .obj, .off, .stl, .ply and .vtp files can be read", path.display())]
+    /// Neither the ending of the name nor the first bytes identify the format.
+    #[error("{}: unknown format: {} files can be read, also compressed as .gz", path.display(), Format::readable())]
     UnknownFormat {
         /// The file.
         path: PathBuf,
@@ -254,7 +222,7 @@ pub enum Problem {
         /// The content found: the word in backquotes, or the end of the line or file.
         found: String,
     },
-    /// A PLY header lacks something.
+    /// A header, or a file that declares its parts, lacks something.
     #[error("the header declares no {missing}")]
     Undeclared {
         /// The declaration that is missing.
@@ -408,30 +376,28 @@ impl fmt::Display for Place {
     }
 }
 
-/// Reads a mesh file. The ending of its name identifies the format; if it does not, the first word
-/// of the file does.
+/// Reads a mesh file. The ending of its name identifies the format; if it does not, the first bytes
+/// of the file do.
 ///
 /// # Errors
 /// If the file cannot be read, if its format is unknown, or if its content is not an oriented manifold
 /// with finite coordinates; see [`ReadError`] and [`Problem`].
 pub fn read(path: &Path) -> Result<MeshFile, ReadError> {
-    read_and(path, parse)
+    let (file, _) = read_and(path, Columns::Skipped)?;
+    Ok(file)
 }
 
-/// Reads a mesh file, and the numbers at its vertices and triangles in the order of the file. Formats other
-/// than VTP and PLY have no such numbers. Arrays of several components, such as vectors, are skipped.
+/// Reads a mesh file, and the numbers at its vertices and triangles in the order of the file: of PLY, VTP, VTU, VTK,
+/// MSH and GIFTI, other formats have none. Arrays of several components, such as vectors, are skipped.
 ///
 /// # Errors
 /// As [`read`]; also if a column cannot be read.
 pub fn read_with_columns(path: &Path) -> Result<(MeshFile, Vec<Column>), ReadError> {
-    read_and(path, parse_with_columns)
+    read_and(path, Columns::Read)
 }
 
 /// Reads a file, and parses it in its format.
-fn read_and<R>(
-    path: &Path,
-    parse: impl FnOnce(&[u8], Format) -> Result<R, ParseError>,
-) -> Result<R, ReadError> {
+fn read_and(path: &Path, columns: Columns) -> Result<(MeshFile, Vec<Column>), ReadError> {
     let bytes = read_whole(path, None).map_err(|error| {
         let path = path.to_owned();
         match error.kind() {
@@ -440,15 +406,23 @@ fn read_and<R>(
             _ => ReadError::Unreadable { path, error },
         }
     })?;
+    let refused = |error| ReadError::Parse {
+        path: path.to_owned(),
+        error,
+    };
+    let content = gzip::unpacked(&bytes).map_err(refused)?;
     let format = Format::from_extension(path)
-        .or_else(|| Format::from_content(&bytes))
+        .or_else(|| Format::from_content(&content))
         .ok_or_else(|| ReadError::UnknownFormat {
             path: path.to_owned(),
         })?;
-    parse(&bytes, format).map_err(|error| ReadError::Parse {
-        path: path.to_owned(),
-        error,
-    })
+    let reading = Reading {
+        columns,
+        unknown: Unknown::Refused,
+        length: bytes.len(),
+        folder: Some(path.parent().unwrap_or(Path::new(""))),
+    };
+    parse_and(&content, format, reading).map_err(refused)
 }
 
 /// Reads a mesh file, and merges vertices at the same point: [`MeshFile::welded`].
@@ -474,13 +448,13 @@ pub fn read_welded_within(path: &Path, distance: f64) -> Result<MeshFile, ReadEr
     Ok(MeshFile { left_out, ..welded })
 }
 
-/// Parses the bytes of a mesh file.
+/// Parses the bytes of a mesh file, which may be compressed by gzip.
 ///
 /// # Errors
 /// If the bytes are not a mesh in this format, or not an oriented manifold with finite coordinates; see
 /// [`Problem`].
 pub fn parse(bytes: &[u8], format: Format) -> Result<MeshFile, ParseError> {
-    let (file, _) = parse_and(bytes, format, Columns::Skipped)?;
+    let (file, _) = parse_in_memory(bytes, format, Columns::Skipped)?;
     Ok(file)
 }
 
@@ -492,7 +466,7 @@ pub fn parse_with_columns(
     bytes: &[u8],
     format: Format,
 ) -> Result<(MeshFile, Vec<Column>), ParseError> {
-    parse_and(bytes, format, Columns::Read)
+    parse_in_memory(bytes, format, Columns::Read)
 }
 
 /// Whether numbers at vertices and triangles are read.
@@ -502,21 +476,54 @@ enum Columns {
     Skipped,
 }
 
-fn parse_and(
+/// What is read of a file, and how.
+#[derive(Clone, Copy, Debug)]
+struct Reading<'a> {
+    columns: Columns,
+    unknown: Unknown,
+    /// Length of the file in bytes, before it is unpacked, which bounds the memory of numbers.
+    length: usize,
+    /// The folder of the file, if it is known.
+    folder: Option<&'a Path>,
+}
+
+fn parse_in_memory(
     bytes: &[u8],
     format: Format,
     columns: Columns,
+) -> Result<(MeshFile, Vec<Column>), ParseError> {
+    let reading = Reading {
+        columns,
+        unknown: Unknown::Refused,
+        length: bytes.len(),
+        folder: None,
+    };
+    parse_and(&gzip::unpacked(bytes)?, format, reading)
+}
+
+fn parse_and(
+    bytes: &[u8],
+    format: Format,
+    reading: Reading<'_>,
 ) -> Result<(MeshFile, Vec<Column>), ParseError> {
     if bytes.is_empty() {
         return Err(Problem::EmptyFile.anywhere());
     }
     let text = without_mark(bytes);
-    let parse = |unknown: Unknown| match format {
-        Format::Obj => Ok((obj::parse(text, unknown)?, Vec::new())),
-        Format::Off => Ok((off::parse(text, unknown)?, Vec::new())),
-        Format::Stl => Ok((stl::parse(bytes)?, Vec::new())),
-        Format::Ply => ply::parse(text, columns, unknown),
-        Format::Vtp => vtp::parse(text, columns, unknown),
+    let parse = |unknown: Unknown| {
+        let reading = Reading { unknown, ..reading };
+        match format {
+            Format::Obj => Ok((obj::parse(text, unknown)?, Vec::new())),
+            Format::Off => Ok((off::parse(text, unknown)?, Vec::new())),
+            Format::Stl => Ok((stl::parse(bytes)?, Vec::new())),
+            Format::Ply => ply::parse(text, reading.columns, unknown),
+            Format::Vtp | Format::Vtu => vtp::parse(text, reading),
+            Format::Vtk => legacy::parse(text, reading),
+            Format::Msh => msh::parse(text, reading),
+            Format::Gifti => gifti::parse(text, reading),
+            Format::ThreeMf => Ok((three_mf::parse(text, reading)?, Vec::new())),
+            Format::Gltf => Ok((gltf::parse(text, reading)?, Vec::new())),
+        }
     };
     // Coordinates that are not finite matter only if a face has the vertex: the error of the first says where it is.
     parse(Unknown::Refused).or_else(|refused| match refused.is_of_unknown_vertex() {

@@ -18,6 +18,8 @@ pub(super) struct MeshBuilder {
     faces: usize,
     /// The number of the first vertex and the first face: 1 in OBJ, 0 elsewhere.
     first: usize,
+    /// Whether vertices of no face are left out, because they are nodes of other cells.
+    pub(super) leaves_out_unused: bool,
 }
 
 /// [`Place`] of a single face, or of many triangles at equal distances in the file.
@@ -40,6 +42,24 @@ impl MeshBuilder {
             origins: Vec::new(),
             faces: 0,
             first,
+            leaves_out_unused: false,
+        }
+    }
+
+    /// Number of triangles so far.
+    pub(super) fn triangle_count(&self) -> usize {
+        self.triangles.len()
+    }
+
+    /// Adds a triangle of a strip or a fan, in which triangles with a repeated corner join others.
+    pub(super) fn add_part(
+        &mut self,
+        triangle: [u32; 3],
+        position: Position,
+    ) -> Result<(), ParseError> {
+        match check_corners(&triangle) {
+            Ok(()) => self.add_face(&triangle, position),
+            Err(_) => Ok(()),
         }
     }
 
@@ -105,6 +125,13 @@ impl MeshBuilder {
         added
     }
 
+    /// Reverses the orientation of the triangles from this one on.
+    pub(super) fn reverse_from(&mut self, triangle: usize) {
+        for corners in &mut self.triangles[triangle..] {
+            corners.swap(1, 2);
+        }
+    }
+
     /// Stores the place of the next face. Triangles at equal distances share one origin.
     fn add_origin(&mut self, position: Position, is_triangle: bool) {
         let triangle = self.triangles.len();
@@ -147,13 +174,21 @@ impl MeshBuilder {
         }
     }
 
-    /// Leaves out vertices whose coordinates are not finite: see [`Self::finish_known`].
+    /// Leaves out vertices: see [`Self::finish_known`].
     fn leave_out_unknown(&mut self) -> Result<Vec<bool>, ParseError> {
         let is_known = |point: &[f64; 3]| point.iter().all(|x| x.is_finite());
-        if self.positions.iter().all(is_known) {
+        if !self.leaves_out_unused && self.positions.iter().all(is_known) {
             return Ok(Vec::new());
         }
-        let left_out = Vec::from_iter(self.positions.iter().map(|point| !is_known(point)));
+        let mut left_out = Vec::from_iter(self.positions.iter().map(|point| !is_known(point)));
+        if self.leaves_out_unused {
+            let mut is_unused = vec![true; left_out.len()];
+            for &corner in self.triangles.as_flattened() {
+                is_unused[corner as usize] = false;
+            }
+            let both = left_out.iter_mut().zip(is_unused);
+            both.for_each(|(left_out, is_unused)| *left_out |= is_unused);
+        }
         let mut before = 0;
         let numbers = left_out.iter().map(|&is_left_out| {
             let number = before;
@@ -173,7 +208,9 @@ impl MeshBuilder {
         for corner in self.triangles.as_flattened_mut() {
             *corner = numbers[*corner as usize];
         }
-        self.positions.retain(is_known);
+        let mut is_left_out = left_out.iter();
+        self.positions
+            .retain(|_| is_left_out.next() == Some(&false));
         Ok(left_out)
     }
 
@@ -208,8 +245,8 @@ impl MeshBuilder {
         self.finish_known().map(|(file, _)| file)
     }
 
-    /// The mesh without vertices that no face has and whose coordinates are not finite, and whether each vertex was
-    /// left out; nothing if none was.
+    /// The mesh without vertices that no face has and whose coordinates are not finite, or that are nodes of other
+    /// cells; and whether each vertex was left out, or nothing if none was.
     pub(super) fn finish_known(mut self) -> Result<(MeshFile, Vec<bool>), ParseError> {
         let vertices = self.positions.len();
         for (at, triangle) in self.triangles.iter().enumerate() {
@@ -224,13 +261,15 @@ impl MeshBuilder {
                 });
             }
         }
+        let is_unknown = |point: &&[f64; 3]| point.iter().any(|x| !x.is_finite());
+        let unknown = self.positions.iter().filter(is_unknown).count();
         let left_out = self.leave_out_unknown()?;
         self.divide_polygons()?;
         let vertices = self.positions.len();
         match TriangleMesh::new(vertices, std::mem::take(&mut self.triangles)) {
             Ok(mesh) => {
                 let file = MeshFile {
-                    left_out: left_out.iter().filter(|&&is_left_out| is_left_out).count(),
+                    left_out: unknown,
                     ..MeshFile::new(self.positions, mesh)
                 };
                 Ok((file, left_out))

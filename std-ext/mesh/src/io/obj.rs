@@ -41,9 +41,15 @@ pub(super) fn write(
     out: &mut dyn Write,
     positions: &[[f64; 3]],
     triangles: &[[u32; 3]],
+    colours: Option<&[[u8; 3]]>,
 ) -> io::Result<()> {
-    for [x, y, z] in positions {
-        writeln!(out, "v {x:?} {y:?} {z:?}")?;
+    for (vertex, [x, y, z]) in positions.iter().enumerate() {
+        write!(out, "v {x:?} {y:?} {z:?}")?;
+        if let Some(colours) = colours {
+            let [r, g, b] = colours[vertex].map(|part| f32::from(part) / 255.0);
+            write!(out, " {r:?} {g:?} {b:?}")?;
+        }
+        writeln!(out)?;
     }
     for triangle in triangles {
         let [a, b, c] = triangle.map(|vertex| vertex + 1);

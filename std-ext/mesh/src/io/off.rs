@@ -70,11 +70,18 @@ pub(super) fn write(
     out: &mut dyn Write,
     positions: &[[f64; 3]],
     triangles: &[[u32; 3]],
+    colours: Option<&[[u8; 3]]>,
 ) -> io::Result<()> {
     // The number of edges may be 0, because readers ignore it.
-    writeln!(out, "OFF\n{} {} 0", positions.len(), triangles.len())?;
-    for [x, y, z] in positions {
-        writeln!(out, "{x:?} {y:?} {z:?}")?;
+    let header = if colours.is_some() { "COFF" } else { "OFF" };
+    writeln!(out, "{header}\n{} {} 0", positions.len(), triangles.len())?;
+    for (vertex, [x, y, z]) in positions.iter().enumerate() {
+        write!(out, "{x:?} {y:?} {z:?}")?;
+        if let Some(colours) = colours {
+            let [r, g, b] = colours[vertex];
+            write!(out, " {r} {g} {b} 255")?;
+        }
+        writeln!(out)?;
     }
     for [a, b, c] in triangles {
         writeln!(out, "3 {a} {b} {c}")?;

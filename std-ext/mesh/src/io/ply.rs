@@ -65,17 +65,38 @@ pub(super) fn write(
     out: &mut dyn Write,
     positions: &[[f64; 3]],
     triangles: &[[u32; 3]],
+    colours: Option<&[[u8; 3]]>,
 ) -> io::Result<()> {
     writeln!(out, "ply\nformat binary_little_endian 1.0")?;
     writeln!(out, "element vertex {}", positions.len())?;
     for axis in ["x", "y", "z"] {
         writeln!(out, "property double {axis}")?;
     }
+    for part in ["red", "green", "blue"]
+        .iter()
+        .filter(|_| colours.is_some())
+    {
+        writeln!(out, "property uchar {part}")?;
+    }
     writeln!(out, "element face {}", triangles.len())?;
     // `int` instead of `uint`, because every reader knows it; the limit of a mesh is below 2³¹.
     writeln!(out, "property list uchar int vertex_indices\nend_header")?;
-    let coordinates = positions.iter().flatten();
-    write_blocks(out, coordinates.map(|coordinate| coordinate.to_le_bytes()))?;
+    match colours {
+        None => {
+            let coordinates = positions.iter().flatten();
+            write_blocks(out, coordinates.map(|coordinate| coordinate.to_le_bytes()))?;
+        }
+        Some(colours) => {
+            let vertices = positions.iter().zip(colours).map(|(point, colour)| {
+                let mut record = [0; 27];
+                let (coordinates, rest) = record.split_at_mut(24);
+                coordinates.copy_from_slice(point.map(f64::to_le_bytes).as_flattened());
+                rest.copy_from_slice(colour);
+                record
+            });
+            write_blocks(out, vertices)?;
+        }
+    }
     let faces = triangles.iter().map(|triangle| {
         let mut bytes = [3; 13];
         let corners = bytes[1..].as_chunks_mut::<4>().0.iter_mut();

@@ -22,10 +22,21 @@ fn announced_faces(bytes: &[u8]) -> Option<u64> {
     Some(u64::from(u32::from_le_bytes(*count)))
 }
 
+/// Whether a file has this number of faces. Some programs add bytes, which are skipped; but if they are whole faces,
+/// the number in the header is wrong.
+fn is_complete(faces: u64, bytes: &[u8]) -> bool {
+    let end = HEADER as u64 + FACE as u64 * faces;
+    let after = usize::try_from(end).ok().and_then(|end| bytes.get(end..));
+    after.is_some_and(|after| {
+        let is_padding = !after.len().is_multiple_of(FACE) || after.iter().all(|&byte| byte == 0);
+        after.is_empty() || (faces > 0 && is_padding)
+    })
+}
+
 pub(super) fn parse(bytes: &[u8]) -> Result<MeshFile, ParseError> {
     // A binary header may start with `solid` too, so the length decides.
     match announced_faces(bytes) {
-        Some(faces) if HEADER as u64 + FACE as u64 * faces == bytes.len() as u64 => binary(bytes),
+        Some(faces) if is_complete(faces, bytes) => binary(bytes, faces as usize),
         Some(faces) if bytes.contains(&0) => {
             let length = bytes.len();
             Err(Problem::WrongLength { faces, length }.anywhere())
@@ -34,11 +45,12 @@ pub(super) fn parse(bytes: &[u8]) -> Result<MeshFile, ParseError> {
     }
 }
 
-fn binary(bytes: &[u8]) -> Result<MeshFile, ParseError> {
+fn binary(bytes: &[u8], faces: usize) -> Result<MeshFile, ParseError> {
     let mut builder = MeshBuilder::new(0);
-    builder.reserve(bytes.len() / (2 * FACE), bytes.len() / FACE, bytes.len());
+    builder.reserve(faces / 2, faces, bytes.len());
     let mut weld = Weld::default();
-    for (face, record) in bytes[HEADER..].chunks_exact(FACE).enumerate() {
+    let records = bytes[HEADER..].chunks_exact(FACE).take(faces);
+    for (face, record) in records.enumerate() {
         let position = Position::Byte(HEADER + FACE * face);
         let mut numbers = record[12..48].chunks_exact(4).map(|number| {
             let mut bytes = [0; 4];

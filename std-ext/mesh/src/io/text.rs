@@ -200,7 +200,7 @@ pub(super) fn parsed<T: core::str::FromStr>(word: Option<&[u8]>) -> Option<T> {
 }
 
 /// A word for an error message: printable, and not too long.
-fn found(word: Option<&[u8]>) -> String {
+pub(super) fn found(word: Option<&[u8]>) -> String {
     const LONGEST: usize = 40;
     let Some(word) = word else {
         return "the end of the line".to_owned();

@@ -32,6 +32,8 @@ pub enum PointValues<'a> {
     Vectors(&'a [[f64; 3]]),
     /// One vector of numbers of 32 bits per point.
     Vectors32(&'a [[f32; 3]]),
+    /// One colour per point: red, green and blue.
+    Colours(&'a [[u8; 3]]),
 }
 
 /// Reason why a surface or a grid could not be written. The message is one line that starts with the
@@ -201,6 +203,7 @@ impl PointValues<'_> {
             Self::Scalars32(values) => values.len(),
             Self::Vectors(values) => values.len(),
             Self::Vectors32(values) => values.len(),
+            Self::Colours(values) => values.len(),
         }
     }
 
@@ -212,6 +215,7 @@ impl PointValues<'_> {
             Self::Scalars32(values) => array(out, &scalar, values.iter().copied()),
             Self::Vectors(values) => array(out, &vector, values.iter().flatten().copied()),
             Self::Vectors32(values) => array(out, &vector, values.iter().flatten().copied()),
+            Self::Colours(values) => array(out, &vector, values.iter().flatten().copied()),
         }
     }
 }
@@ -238,6 +242,7 @@ macro_rules! stored {
 stored!(f64, "Float64");
 stored!(f32, "Float32");
 stored!(i64, "Int64");
+stored!(u8, "UInt8");
 
 /// Writes a `DataArray`: the number of bytes as 64 bits, followed by the bytes, in one run of base64.
 pub(super) fn array<N: StoredArray>(

@@ -5,6 +5,7 @@
 //! collection.
 
 mod array;
+mod compressor;
 mod read;
 
 pub(super) use read::parse;
@@ -57,14 +58,19 @@ pub fn write_vtp_with_cells(
     })
 }
 
-/// Writes a surface without fields, as one of the mesh formats.
+/// Writes a surface without fields, as one of the mesh formats, and the colours of its vertices if there are any.
 pub(super) fn write(
     out: &mut dyn Write,
     positions: &[[f64; 3]],
     triangles: &[[u32; 3]],
+    colours: Option<&[[u8; 3]]>,
 ) -> io::Result<()> {
+    let field = colours.map(|colours| PointField {
+        name: "RGB",
+        values: PointValues::Colours(colours),
+    });
     write_document(out, "PolyData", "", None, |out| {
-        piece(out, triangles, positions, &[], &[])
+        piece(out, triangles, positions, field.as_slice(), &[])
     })
 }
 

@@ -1,6 +1,6 @@
 //! Writers of mesh files; the encoder of each format is in the file of its parser.
 
-use super::{Format, obj, off, ply, replace_file, stl, vtp};
+use super::{Format, gltf, obj, off, ply, replace_file, stl, vtp};
 use helfrich::TriangleMesh;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -11,14 +11,14 @@ use std::path::{Path, PathBuf};
 #[non_exhaustive]
 pub enum WriteError {
     /// The ending of the name does not identify a format.
-    #[error("{}: unknown format: .obj, .off, .stl, .ply and .vtp files can be written", path.display())]
+    #[error("{}: unknown format: {} files can be written", path.display(), Format::writable())]
     UnknownFormat {
         /// The file.
         path: PathBuf,
     },
     /// The format has numbers of 32 bits, and a coordinate is outside their range.
     #[error(
-        "{}: coordinate {} of vertex {vertex} is beyond the 32-bit numbers of an STL file: choose \
+        "{}: coordinate {} of vertex {vertex} is beyond the 32-bit numbers of this format: choose \
          .obj, .off, .ply or .vtp", path.display(), ["x", "y", "z"][*axis]
     )]
     OutOfRange {
@@ -28,6 +28,19 @@ pub enum WriteError {
         vertex: usize,
         /// 0, 1 or 2.
         axis: usize,
+    },
+    /// The format has no colours, or there is not one for each vertex.
+    #[error(
+        "{}: {colours} colours of {vertices} vertices: one for each vertex is needed, and a format with colours: \
+         .ply, .obj, .off, .vtp or .glb", path.display()
+    )]
+    Colours {
+        /// The file.
+        path: PathBuf,
+        /// The number of colours.
+        colours: usize,
+        /// The number of vertices.
+        vertices: usize,
     },
     /// The operating system refused to write the file.
     #[error("{}: {error}", path.display())]
@@ -42,7 +55,7 @@ pub enum WriteError {
 /// Writes a mesh file, completely or not at all. The ending of its name identifies the format.
 ///
 /// OBJ and OFF are texts with enough digits to distinguish every `f64`. PLY is binary, little endian,
-/// with coordinates of 64 bits, and so is VTP, in base64. STL is binary, with coordinates of 32 bits.
+/// with coordinates of 64 bits, and so is VTP, in base64. STL and GLB are binary, with coordinates of 32 bits.
 ///
 /// # Errors
 /// If the ending does not identify a format, the format cannot hold a coordinate, or the file cannot be
@@ -51,10 +64,43 @@ pub enum WriteError {
 /// # Panics
 /// If there are fewer positions than the mesh has vertices.
 pub fn write(path: &Path, positions: &[[f64; 3]], mesh: &TriangleMesh) -> Result<(), WriteError> {
-    let format = Format::from_extension(path).ok_or_else(|| WriteError::UnknownFormat {
+    write_file(path, positions, mesh, None)
+}
+
+/// Writes a mesh file with a colour of each vertex (red, green and blue), as [`write()`]: in PLY, OFF and GLB as their
+/// specifications say, in OBJ behind the position, in VTP as the array `RGB`. STL has no colours.
+///
+/// # Errors
+/// As [`write()`]; also if the format is STL, or there is not one colour for each vertex.
+///
+/// # Panics
+/// As [`write()`].
+pub fn write_with_colours(
+    path: &Path,
+    positions: &[[f64; 3]],
+    mesh: &TriangleMesh,
+    colours: &[[u8; 3]],
+) -> Result<(), WriteError> {
+    if Format::to_write(path) == Some(Format::Stl) || colours.len() != mesh.vertex_count() {
+        return Err(WriteError::Colours {
+            path: path.to_owned(),
+            colours: colours.len(),
+            vertices: mesh.vertex_count(),
+        });
+    }
+    write_file(path, positions, mesh, Some(colours))
+}
+
+fn write_file(
+    path: &Path,
+    positions: &[[f64; 3]],
+    mesh: &TriangleMesh,
+    colours: Option<&[[u8; 3]]>,
+) -> Result<(), WriteError> {
+    let format = Format::to_write(path).ok_or_else(|| WriteError::UnknownFormat {
         path: path.to_owned(),
     })?;
-    if format == Format::Stl
+    if matches!(format, Format::Stl | Format::Gltf)
         && let Some((vertex, axis)) = beyond_single_precision(positions)
     {
         return Err(WriteError::OutOfRange {
@@ -63,7 +109,7 @@ pub fn write(path: &Path, positions: &[[f64; 3]], mesh: &TriangleMesh) -> Result
             axis,
         });
     }
-    replace_file(path, |out| write_to(out, format, positions, mesh)).map_err(|error| {
+    replace_file(path, |out| encode(out, format, positions, mesh, colours)).map_err(|error| {
         WriteError::Unwritable {
             path: path.to_owned(),
             error,
@@ -71,11 +117,11 @@ pub fn write(path: &Path, positions: &[[f64; 3]], mesh: &TriangleMesh) -> Result
     })
 }
 
-/// Writes a mesh in a format, as [`write()`] does; in STL, numbers outside the range of 32 bits become
+/// Writes a mesh in a format, as [`write()`] does; in STL and GLB, numbers outside the range of 32 bits become
 /// infinite.
 ///
 /// # Errors
-/// Any error of `out`.
+/// Any error of `out`, or of the kind `Unsupported` for a format that is only read.
 ///
 /// # Panics
 /// If there are fewer positions than the mesh has vertices.
@@ -85,13 +131,29 @@ pub fn write_to(
     positions: &[[f64; 3]],
     mesh: &TriangleMesh,
 ) -> io::Result<()> {
+    encode(out, format, positions, mesh, None)
+}
+
+fn encode(
+    out: &mut dyn Write,
+    format: Format,
+    positions: &[[f64; 3]],
+    mesh: &TriangleMesh,
+    colours: Option<&[[u8; 3]]>,
+) -> io::Result<()> {
     let positions = &positions[..mesh.vertex_count()];
+    let triangles = mesh.triangles();
     match format {
-        Format::Obj => obj::write(out, positions, mesh.triangles()),
-        Format::Off => off::write(out, positions, mesh.triangles()),
-        Format::Stl => stl::write(out, positions, mesh.triangles()),
-        Format::Ply => ply::write(out, positions, mesh.triangles()),
-        Format::Vtp => vtp::write(out, positions, mesh.triangles()),
+        Format::Obj => obj::write(out, positions, triangles, colours),
+        Format::Off => off::write(out, positions, triangles, colours),
+        Format::Stl => stl::write(out, positions, triangles),
+        Format::Ply => ply::write(out, positions, triangles, colours),
+        Format::Vtp => vtp::write(out, positions, triangles, colours),
+        Format::Gltf => gltf::write(out, positions, triangles, colours),
+        Format::Vtu | Format::Vtk | Format::Msh | Format::Gifti | Format::ThreeMf => {
+            let message = format!("{format:?} files can only be read");
+            Err(io::Error::new(io::ErrorKind::Unsupported, message))
+        }
     }
 }
 

@@ -1,4 +1,4 @@
-//! Tags of an XML file, as needed for VTK files.
+//! Tags of an XML file, as needed for mesh files.
 //!
 //! Text between tags, comments, declarations and instructions are skipped without checks.
 
@@ -38,6 +38,7 @@ impl<'a> Tags<'a> {
             let inside = &self.bytes[start + 1..];
             let end: &[u8] = match inside {
                 [b'!', b'-', b'-', ..] => b"-->",
+                [b'!', b'[', ..] => b"]]>",
                 [b'?', ..] => b"?>",
                 [b'!', ..] => b">",
                 _ => b"",
@@ -77,9 +78,9 @@ impl<'a> Tags<'a> {
     }
 }
 
-impl Tag<'_> {
+impl<'a> Tag<'a> {
     /// Value of an attribute. Entities are not decoded, because numbers and names of VTK have none.
-    pub(super) fn attribute(&self, name: &str) -> Option<&str> {
+    pub(super) fn attribute(&self, name: &str) -> Option<&'a str> {
         let mut rest = self.attributes;
         loop {
             rest = rest.trim_ascii_start();

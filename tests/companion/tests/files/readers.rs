@@ -1,7 +1,9 @@
 //! Mesh files: their contents, and messages about files that contain no mesh.
 
+mod gzip;
 mod obj;
 mod off;
+mod others;
 mod ply;
 mod solid;
 mod stl;
@@ -115,7 +117,10 @@ fn messages_are_one_line_that_starts_with_the_file() {
         (folder, "is a directory: a mesh file is needed"),
         (
             &unknown,
-            "unknown format: .obj, .off, .stl, .ply and .vtp files can be read",
+            &format!(
+                "unknown format: {} files can be read, also compressed as .gz",
+                Format::readable()
+            ),
         ),
         (
             &broken,

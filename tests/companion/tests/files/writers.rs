@@ -1,7 +1,10 @@
 //! Mesh files that are written and read again, and refined meshes.
 
 use helfrich_std::generate::{Family, generate};
-use helfrich_std::io::{Format, MeshFile, WriteError, parse, read, write, write_to};
+use helfrich_std::io::{
+    Format, MeshFile, WriteError, parse, read, read_with_columns, write, write_to,
+    write_with_colours,
+};
 use helfrich_std::subdivide::{SubdivideError, Target, subdivide};
 use std::path::{Path, PathBuf};
 
@@ -25,6 +28,58 @@ fn what_is_written_is_read_again_with_all_digits() {
         write_to(&mut bytes, format, &file.positions, &file.mesh).unwrap();
         assert_eq!(parse(&bytes, format).unwrap(), file, "{format:?}");
     }
+}
+
+/// Colours are read again as columns where the format has columns, and positions are the same with and without.
+#[test]
+fn colours_are_written() {
+    let file = discocyte(42);
+    let colours = Vec::from_iter((0..42).map(|k| [k, 255 - k, 7]));
+    for (name, names) in [
+        ("c.ply", &["red", "green", "blue"][..]),
+        ("c.vtp", &[]),
+        ("c.obj", &[]),
+        ("c.off", &[]),
+        ("c.glb", &[]),
+    ] {
+        let path = folder().join(name);
+        write_with_colours(&path, &file.positions, &file.mesh, &colours).unwrap();
+        let (found, columns) = read_with_columns(&path).unwrap();
+        assert_eq!(found.mesh, file.mesh, "{name}");
+        let rounded = file
+            .positions
+            .iter()
+            .map(|p| p.map(|x| f64::from(x as f32)));
+        match name {
+            "c.glb" => assert_eq!(found.positions, Vec::from_iter(rounded)),
+            _ => assert_eq!(found.positions, file.positions),
+        }
+        for (part, name) in names.iter().enumerate() {
+            let expected = Vec::from_iter(colours.iter().map(|colour| f64::from(colour[part])));
+            let column = columns.iter().find(|column| column.name == *name);
+            assert_eq!(column.unwrap().values, expected);
+        }
+    }
+    let text = std::fs::read_to_string(folder().join("c.off")).unwrap();
+    assert!(text.starts_with("COFF\n42 80 0\n") && text.contains(" 1 254 7 255\n"));
+    let text = std::fs::read_to_string(folder().join("c.obj")).unwrap();
+    assert!(text.contains(" 0.0 1.0 0.02745098\n"));
+    for (name, count) in [("c.stl", 42), ("c.ply", 41)] {
+        let error = write_with_colours(
+            &folder().join(name),
+            &file.positions,
+            &file.mesh,
+            &colours[..count],
+        );
+        let message = error.unwrap_err().to_string();
+        assert!(
+            message.contains(&format!("{count} colours of 42 vertices")),
+            "{message}"
+        );
+    }
+    let mut bytes = Vec::new();
+    let error = write_to(&mut bytes, Format::Msh, &file.positions, &file.mesh).unwrap_err();
+    assert_eq!(error.kind(), std::io::ErrorKind::Unsupported);
 }
 
 /// STL has no list of vertices, so that vertices are numbered by their first appearance in triangles.
@@ -65,8 +120,8 @@ fn files_are_named_by_their_ending() {
         error.unwrap_err().to_string()
     };
     assert_eq!(
-        message("mesh.vtk"),
-        "mesh.vtk: unknown format: .obj, .off, .stl, .ply and .vtp files can be written"
+        message("mesh.obj.gz"),
+        "mesh.obj.gz: unknown format: .obj, .off, .stl, .ply, .vtp and .glb files can be written"
     );
     assert!(message("no/such/folder/mesh.obj").starts_with("no/such/folder/mesh.obj: "));
 }

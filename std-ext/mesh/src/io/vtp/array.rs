@@ -5,11 +5,12 @@
 //! the length of a block, the length of the last block if it is shorter (else 0), and the compressed length
 //! of each block.
 
+use super::super::number::Number;
 use super::super::xml::{Tag, line_of};
 use super::super::{Budget, ParseError, Position, Problem};
+use super::compressor::Compressor;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use miniz_oxide::inflate::decompress_to_vec_zlib_with_limit;
 use std::borrow::Cow;
 
 /// Storage of the numbers of a file.
@@ -19,7 +20,7 @@ pub(super) struct Storage<'a> {
     pub(super) big_endian: bool,
     /// Bytes of a stored length: 4 or 8.
     pub(super) header: usize,
-    pub(super) compressed: bool,
+    pub(super) compressor: Option<Compressor>,
     pub(super) budget: Budget,
     /// The data after the `_` at the end of the file, and whether they are in base64.
     pub(super) appended: Option<(&'a [u8], bool)>,
@@ -41,14 +42,6 @@ enum Format<'a> {
     Base64(&'a [u8]),
     /// Appended data from this byte on.
     Appended(usize),
-}
-
-/// A type of numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Number {
-    Float(usize),
-    Signed(usize),
-    Unsigned(usize),
 }
 
 /// Numbers that were read.
@@ -101,7 +94,7 @@ impl<'a> Array<'a> {
             let found = format!("`{}`", found.escape_debug());
             Problem::Expected { expected, found }.at(line_of(file, tag.start), None)
         };
-        let number = tag.attribute("type").and_then(Number::named);
+        let number = tag.attribute("type").and_then(named);
         let number = number.ok_or_else(|| wrong("a type of numbers such as Float64", "type"))?;
         let content = &file[tag.end..];
         let end = content.iter().position(|&byte| byte == b'<');
@@ -124,8 +117,10 @@ impl<'a> Array<'a> {
 
     /// The numbers as coordinates.
     pub(super) fn floats(&self, storage: &Storage<'_>) -> Result<Numbers<f64>, ParseError> {
-        let number = self.number;
-        self.numbers(storage, "a number", |bytes| number.float(bytes))
+        let (number, big_endian) = (self.number, storage.big_endian);
+        self.numbers(storage, "a number", |stored| {
+            number.float(stored, big_endian)
+        })
     }
 
     /// The numbers as indices, which have to be whole.
@@ -137,15 +132,17 @@ impl<'a> Array<'a> {
             };
             return Err(problem.at(line_of(storage.file, self.at), None));
         }
-        let number = self.number;
-        self.numbers(storage, "a whole number", |bytes| number.integer(bytes))
+        let (number, big_endian) = (self.number, storage.big_endian);
+        self.numbers(storage, "a whole number", |stored| {
+            number.integer(stored, big_endian)
+        })
     }
 
     fn numbers<T: std::str::FromStr>(
         &self,
         storage: &Storage<'_>,
         expected: &'static str,
-        read: impl Fn([u8; 8]) -> T,
+        read: impl Fn(&[u8]) -> T,
     ) -> Result<Numbers<T>, ParseError> {
         let text = match self.format {
             Format::Text(_, start) => Some(start),
@@ -186,15 +183,8 @@ impl<'a> Array<'a> {
                 }
             }
         }?;
-        numbers.values.reserve(payload.len() / size);
-        for stored in payload.chunks_exact(size) {
-            let mut bytes = [0; 8];
-            bytes[..size].copy_from_slice(stored);
-            if storage.big_endian {
-                bytes[..size].reverse();
-            }
-            numbers.values.push(read(bytes));
-        }
+        let stored = payload.chunks_exact(size);
+        numbers.values.extend(stored.map(read));
         Ok(numbers)
     }
 }
@@ -220,12 +210,12 @@ impl Storage<'_> {
             taken.map_err(|problem| problem.at(line_of(self.file, at), None))
         };
         let mut rest = bytes;
-        if !self.compressed {
+        let Some(compressor) = self.compressor else {
             let length = self.length(&mut rest).ok_or_else(truncated)?;
             let payload = rest.get(..length).ok_or_else(truncated)?;
             afford(length)?;
             return Ok(payload.into());
-        }
+        };
         let next = |rest: &mut &[u8]| self.length(rest).ok_or_else(truncated);
         let [blocks, longest, last] = [next(&mut rest)?, next(&mut rest)?, next(&mut rest)?];
         if blocks > rest.len() / self.header {
@@ -243,12 +233,11 @@ impl Storage<'_> {
                 longest
             };
             afford(whole_length)?;
-            let whole = decompress_to_vec_zlib_with_limit(compressed, whole_length);
-            match whole {
-                Ok(whole) if whole.len() == whole_length => payload.extend(whole),
+            match compressor.unpacked(compressed, whole_length) {
+                Some(whole) if whole.len() == whole_length => payload.extend(whole),
                 _ => {
                     let problem = Problem::Expected {
-                        expected: "blocks compressed by zlib, as long as their header says",
+                        expected: "compressed blocks, as long as their header says",
                         found: "damaged ones".to_owned(),
                     };
                     return Err(problem.at(line_of(self.file, at), None));
@@ -279,7 +268,7 @@ impl Storage<'_> {
     /// Length of an array with its header, as far as `bytes`, which begin it, tell.
     fn stored_length(&self, bytes: &[u8]) -> usize {
         let mut rest = bytes;
-        if !self.compressed {
+        if self.compressor.is_none() {
             let length = self.length(&mut rest).unwrap_or_default();
             return self.header.saturating_add(length);
         }
@@ -334,48 +323,19 @@ fn decoded(text: &[u8], least: usize) -> Vec<u8> {
 /// data, and of one that is begun.
 const PADDINGS: usize = 3;
 
-impl Number {
-    fn named(name: &str) -> Option<Self> {
-        Some(match name {
-            "Float32" => Self::Float(4),
-            "Float64" => Self::Float(8),
-            "Int8" => Self::Signed(1),
-            "Int16" => Self::Signed(2),
-            "Int32" => Self::Signed(4),
-            "Int64" => Self::Signed(8),
-            "UInt8" => Self::Unsigned(1),
-            "UInt16" => Self::Unsigned(2),
-            "UInt32" => Self::Unsigned(4),
-            "UInt64" => Self::Unsigned(8),
-            _ => return None,
-        })
-    }
-
-    /// Size in bytes.
-    fn size(self) -> usize {
-        match self {
-            Self::Float(size) | Self::Signed(size) | Self::Unsigned(size) => size,
-        }
-    }
-
-    /// The number with these bytes in little-endian order, padded with zeros.
-    fn float(self, bytes: [u8; 8]) -> f64 {
-        match self {
-            Self::Float(4) => {
-                let [a, b, c, d, ..] = bytes;
-                f32::from_le_bytes([a, b, c, d]).into()
-            }
-            Self::Float(_) => f64::from_le_bytes(bytes),
-            _ => self.integer(bytes) as f64,
-        }
-    }
-
-    /// The whole number with these bytes; numbers beyond `i64` become negative, and are refused as indices.
-    fn integer(self, bytes: [u8; 8]) -> i64 {
-        let shift = 64 - 8 * self.size() as u32;
-        match self {
-            Self::Signed(_) => i64::from_le_bytes(bytes) << shift >> shift,
-            _ => i64::from_le_bytes(bytes),
-        }
-    }
+/// The type of numbers with a name of VTK.
+fn named(name: &str) -> Option<Number> {
+    Some(match name {
+        "Float32" => Number::Float(4),
+        "Float64" => Number::Float(8),
+        "Int8" => Number::Signed(1),
+        "Int16" => Number::Signed(2),
+        "Int32" => Number::Signed(4),
+        "Int64" => Number::Signed(8),
+        "UInt8" => Number::Unsigned(1),
+        "UInt16" => Number::Unsigned(2),
+        "UInt32" => Number::Unsigned(4),
+        "UInt64" => Number::Unsigned(8),
+        _ => return None,
+    })
 }

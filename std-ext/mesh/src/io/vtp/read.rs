@@ -1,11 +1,13 @@
-//! The polygons of a PolyData file as a mesh.
+//! The faces of a PolyData or UnstructuredGrid file as a mesh.
 
+use super::super::cells::{Cell, CellList, Cells, Kinds, Part, at_triangles};
 use super::super::xml::{Tag, Tags, line_of};
 use super::super::{
-    Budget, Column, ColumnPlace, Columns, MeshBuilder, MeshFile, ParseError, Problem, Unknown,
-    finite, leave_out,
+    Budget, Column, ColumnPlace, Columns, MeshFile, ParseError, Problem, Reading, Unknown, finite,
+    leave_out,
 };
 use super::array::{Array, Storage};
+use super::compressor::Compressor;
 
 /// A piece of the surface.
 #[derive(Default)]
@@ -15,10 +17,18 @@ struct Piece<'a> {
     /// Number of single vertices and lines, which precede the polygons in arrays of cells.
     skipped: usize,
     points: Option<Array<'a>>,
-    connectivity: Option<Array<'a>>,
-    ends: Option<Array<'a>>,
+    /// Polygons, and strips of triangles; or cells of the types of an unstructured grid.
+    sections: [Section<'a>; 2],
     /// Arrays of one component at the points and cells, if columns are read.
     columns: Vec<(ColumnPlace, String, Array<'a>)>,
+}
+
+/// The cells of a piece.
+#[derive(Default)]
+struct Section<'a> {
+    connectivity: Option<Array<'a>>,
+    ends: Option<Array<'a>>,
+    types: Option<Array<'a>>,
 }
 
 /// The structure of a file, without its numbers.
@@ -29,37 +39,44 @@ struct Outline<'a> {
 
 pub(in crate::io) fn parse(
     bytes: &[u8],
-    columns: Columns,
-    unknown: Unknown,
+    reading: Reading<'_>,
 ) -> Result<(MeshFile, Vec<Column>), ParseError> {
-    let Outline { storage, pieces } = outline(bytes, columns)?;
-    let mut builder = MeshBuilder::new(0);
+    let Outline { storage, pieces } = outline(bytes, reading)?;
+    let mut cells = Cells::new(0);
+    let mut starts = Vec::new();
     for piece in &pieces {
-        piece.add_to(&mut builder, &storage, unknown)?;
+        starts.push(cells.triangles.len());
+        piece.add_to(&mut cells, &storage, reading.unknown)?;
     }
-    let (file, left_out) = builder.finish_known()?;
-    let mut columns = joined(&pieces, &storage)?;
+    let (file, left_out, triangles) = cells.finish()?;
+    starts.push(triangles.len());
+    let own = starts.windows(2).map(|pair| &triangles[pair[0]..pair[1]]);
+    let mut columns = joined(pieces.iter().zip(own), &storage)?;
     leave_out(&left_out, &mut columns);
     Ok((file, columns))
 }
 
 /// Columns that every piece with points has, concatenated in the order of pieces.
-fn joined(pieces: &[Piece<'_>], storage: &Storage<'_>) -> Result<Vec<Column>, ParseError> {
-    let pieces = Vec::from_iter(pieces.iter().filter(|piece| piece.vertices > 0));
-    let names = pieces.first().map_or(&[][..], |piece| &piece.columns);
+/// Each piece comes with the number of triangles of each of its cells.
+fn joined<'p>(
+    pieces: impl Iterator<Item = (&'p Piece<'p>, &'p [u32])>,
+    storage: &Storage<'_>,
+) -> Result<Vec<Column>, ParseError> {
+    let pieces = Vec::from_iter(pieces.filter(|(piece, _)| piece.vertices > 0));
+    let names = pieces.first().map_or(&[][..], |(piece, _)| &piece.columns);
     let mut columns = Vec::new();
     for (place, name, _) in names {
-        let arrays = pieces.iter().map(|piece| {
+        let arrays = pieces.iter().map(|&(piece, triangles)| {
             let mut own = piece.columns.iter();
             let found = own.find(|(of, own, _)| (of, own) == (place, name));
-            found.map(|(_, _, array)| (piece, array))
+            found.map(|(_, _, array)| (piece, triangles, array))
         });
         let Some(arrays) = arrays.collect::<Option<Vec<_>>>() else {
             continue;
         };
         let mut values = Vec::new();
-        for (piece, array) in arrays {
-            values.extend(piece.numbers(*place, array, storage)?);
+        for (piece, triangles, array) in arrays {
+            values.extend(piece.numbers(*place, array, triangles, storage)?);
         }
         columns.push(Column {
             name: name.clone(),
@@ -70,14 +87,14 @@ fn joined(pieces: &[Piece<'_>], storage: &Storage<'_>) -> Result<Vec<Column>, Pa
     Ok(columns)
 }
 
-fn outline(bytes: &[u8], columns: Columns) -> Result<Outline<'_>, ParseError> {
+fn outline<'a>(bytes: &'a [u8], reading: Reading<'_>) -> Result<Outline<'a>, ParseError> {
     let mut tags = Tags::new(bytes);
     let mut storage = None;
     let mut pieces: Vec<Piece<'_>> = Vec::new();
     let mut section: &[u8] = b"";
     while let Some(tag) = tags.next()? {
         match (tag.name, storage.as_mut()) {
-            (b"VTKFile", _) if !tag.closes => storage = Some(stored(bytes, &tag)?),
+            (b"VTKFile", _) if !tag.closes => storage = Some(stored(bytes, &tag, reading)?),
             (_, None) => {
                 return Err(expected(bytes, &tag, "the tag VTKFile", shown(tag.name)));
             }
@@ -90,7 +107,8 @@ fn outline(bytes: &[u8], columns: Columns) -> Result<Outline<'_>, ParseError> {
             }
             (b"Piece", _) if !tag.closes => pieces.push(piece(bytes, &tag)?),
             (
-                b"Points" | b"Polys" | b"PointData" | b"CellData" | b"Verts" | b"Lines" | b"Strips",
+                b"Points" | b"Polys" | b"PointData" | b"CellData" | b"Verts" | b"Lines" | b"Strips"
+                | b"Cells",
                 _,
             ) => {
                 section = if tag.closes { b"" } else { tag.name };
@@ -105,7 +123,7 @@ fn outline(bytes: &[u8], columns: Columns) -> Result<Outline<'_>, ParseError> {
                     b"CellData" => Some(ColumnPlace::Triangles),
                     _ => None,
                 };
-                if let (Some(of), Some(name), Columns::Read) = (of, name, columns) {
+                if let (Some(of), Some(name), Columns::Read) = (of, name, reading.columns) {
                     let components = tag.attribute("NumberOfComponents");
                     // Arrays of texts are skipped.
                     if let (None | Some("1"), Ok(array)) = (components, Array::new(bytes, &tag)) {
@@ -113,10 +131,18 @@ fn outline(bytes: &[u8], columns: Columns) -> Result<Outline<'_>, ParseError> {
                     }
                     continue;
                 }
+                let [polygons, strips] = &mut piece.sections;
+                let cells = match section {
+                    b"Strips" => strips,
+                    _ => polygons,
+                };
                 let place = match (section, name) {
                     (b"Points", _) => &mut piece.points,
-                    (b"Polys", Some("connectivity")) => &mut piece.connectivity,
-                    (b"Polys", Some("offsets")) => &mut piece.ends,
+                    (b"Polys" | b"Strips" | b"Cells", Some("connectivity")) => {
+                        &mut cells.connectivity
+                    }
+                    (b"Polys" | b"Strips" | b"Cells", Some("offsets")) => &mut cells.ends,
+                    (b"Cells", Some("types")) => &mut cells.types,
                     _ => continue,
                 };
                 *place = Some(Array::new(bytes, &tag)?);
@@ -135,23 +161,24 @@ fn outline(bytes: &[u8], columns: Columns) -> Result<Outline<'_>, ParseError> {
 }
 
 /// The storage that the tag `VTKFile` declares.
-fn stored<'a>(file: &'a [u8], tag: &Tag<'_>) -> Result<Storage<'a>, ParseError> {
+fn stored<'a>(
+    file: &'a [u8],
+    tag: &Tag<'_>,
+    reading: Reading<'_>,
+) -> Result<Storage<'a>, ParseError> {
     let wrong = |what, attribute| {
         let found = tag.attribute(attribute).unwrap_or_default();
         Err(expected(file, tag, what, shown(found.as_bytes())))
     };
-    if tag.attribute("type") != Some("PolyData") {
-        return wrong("data of the type PolyData", "type");
+    if !matches!(tag.attribute("type"), Some("PolyData" | "UnstructuredGrid")) {
+        return wrong("data of the type PolyData or UnstructuredGrid", "type");
     }
-    let compressed = match tag.attribute("compressor") {
-        None | Some("") => false,
-        Some("vtkZLibDataCompressor") => true,
-        Some(_) => {
-            return wrong(
-                "the compressor vtkZLibDataCompressor, or none",
-                "compressor",
-            );
-        }
+    let compressor = match tag.attribute("compressor") {
+        None | Some("") => None,
+        Some(name) => match Compressor::named(name) {
+            None => return wrong("a compressor of zlib, LZ4 or LZMA, or none", "compressor"),
+            known => known,
+        },
     };
     Ok(Storage {
         file,
@@ -165,8 +192,8 @@ fn stored<'a>(file: &'a [u8], tag: &Tag<'_>) -> Result<Storage<'a>, ParseError> 
             Some("UInt32") | None => 4,
             Some(_) => return wrong("headers of the type UInt32 or UInt64", "header_type"),
         },
-        compressed,
-        budget: Budget::new(file.len(), compressed),
+        compressor,
+        budget: Budget::new(reading.length, compressor.is_some()),
         appended: None,
     })
 }
@@ -176,10 +203,6 @@ fn piece<'a>(file: &[u8], tag: &Tag<'_>) -> Result<Piece<'a>, ParseError> {
         tag.attribute(name)
             .and_then(|text| text.trim().parse().ok())
     };
-    if count("NumberOfStrips").is_some_and(|strips: usize| strips > 0) {
-        let found = "strips of triangles".to_owned();
-        return Err(expected(file, tag, "polygons only", found));
-    }
     let Some(vertices) = count("NumberOfPoints") else {
         let found = "none".to_owned();
         return Err(expected(file, tag, "a number of points", found));
@@ -201,6 +224,7 @@ impl Piece<'_> {
         &self,
         place: ColumnPlace,
         array: &Array<'_>,
+        triangles: &[u32],
         storage: &Storage<'_>,
     ) -> Result<Vec<f64>, ParseError> {
         let own = array.floats(storage)?;
@@ -219,28 +243,16 @@ impl Piece<'_> {
                 vertices => Err(wrong("PointData", format!("{vertices} points"))),
             };
         }
-        let ends = match &self.ends {
-            Some(ends) => ends.indices(storage)?.values,
-            None => Vec::new(),
-        };
-        let cells = self.skipped.saturating_add(ends.len());
+        let cells = self.skipped.saturating_add(triangles.len());
         if found != cells {
             return Err(wrong("CellData", format!("{cells} cells")));
         }
-        let starts = std::iter::once(&0).chain(&ends);
-        let faces = own.values[self.skipped..]
-            .iter()
-            .zip(ends.iter().zip(starts));
-        // Every face has three corners or more, because the mesh has been built.
-        let repeated = faces.map(|(&value, (end, start))| {
-            std::iter::repeat_n(value, usize::try_from(end - start - 2).unwrap_or(0))
-        });
-        Ok(repeated.flatten().collect())
+        Ok(at_triangles(&own.values[self.skipped..], triangles))
     }
 
     fn add_to(
         &self,
-        builder: &mut MeshBuilder,
+        cells: &mut Cells,
         storage: &Storage<'_>,
         unknown: Unknown,
     ) -> Result<(), ParseError> {
@@ -256,6 +268,7 @@ impl Piece<'_> {
             let problem = Problem::truncated("vertices", self.vertices, found);
             return Err(problem.at(line_of(file, self.at), None));
         }
+        let builder = &mut cells.builder;
         let before = builder.positions.len();
         for (index, &value) in coordinates.values[..3 * self.vertices].iter().enumerate() {
             if index % 3 == 0 {
@@ -269,43 +282,50 @@ impl Piece<'_> {
                 })?;
             builder.positions[vertex][index % 3] = checked;
         }
-        // A piece may have no polygons.
+        let [polygons, strips] = &self.sections;
+        for (section, kind) in [(polygons, Cell::Polygon), (strips, Cell::Strip)] {
+            section.add_to(cells, kind, before, self.vertices, storage)?;
+        }
+        Ok(())
+    }
+}
+
+impl Section<'_> {
+    /// Adds the cells, which are all of one kind if they have no types. Their nodes count from `before`.
+    fn add_to(
+        &self,
+        cells: &mut Cells,
+        kind: Cell,
+        before: usize,
+        vertices: usize,
+        storage: &Storage<'_>,
+    ) -> Result<(), ParseError> {
+        let file = storage.file;
+        // A piece may have no such cells.
         let (Some(connectivity), Some(ends)) = (&self.connectivity, &self.ends) else {
             return Ok(());
         };
         let (corners, ends) = (connectivity.indices(storage)?, ends.indices(storage)?);
-        // All faces get the line of the first, because counting lines for each would take too long.
-        let here = corners.first_position(file);
-        let mut start = 0;
-        let mut face = Vec::new();
-        for (index, &end) in ends.values.iter().enumerate() {
-            let element = builder.next_face();
-            let own = usize::try_from(end).ok();
-            let own = own.and_then(|end| Some((end, corners.values.get(start..end)?)));
-            let Some((end, own)) = own else {
-                let problem = Problem::Expected {
-                    expected: "ends of polygons that rise, and are no larger than the connectivity",
-                    found: format!("`{end}`"),
-                };
-                return Err(problem.at(ends.position(file, index), Some(element)));
-            };
-            face.clear();
-            for (place, &vertex) in own.iter().enumerate() {
-                let known = usize::try_from(vertex).ok().filter(|&v| v < self.vertices);
-                let known = known.and_then(|v| u32::try_from(before + v).ok());
-                face.push(known.ok_or_else(|| {
-                    let problem = Problem::VertexOutOfRange {
-                        vertex,
-                        vertices: self.vertices,
-                        first: 0,
-                    };
-                    problem.at(corners.position(file, start + place), Some(element))
-                })?);
-            }
-            builder.add_face(&face, here)?;
-            start = end;
-        }
-        Ok(())
+        let types = match &self.types {
+            Some(types) => Some(types.indices(storage)?),
+            None => None,
+        };
+        let list = CellList {
+            nodes: &corners.values,
+            ends: &ends.values,
+            kinds: match &types {
+                Some(types) => Kinds::Types(&types.values),
+                None => Kinds::All(kind),
+            },
+            before,
+            vertices,
+        };
+        cells.add_list(&list, &|part| match (part, &types) {
+            (Part::Node(index), _) => corners.position(file, index),
+            (Part::End(index), _) => ends.position(file, index),
+            (Part::Type(index), Some(types)) => types.position(file, index),
+            (Part::All | Part::Type(_), _) => corners.first_position(file),
+        })
     }
 }
 

@@ -95,3 +95,20 @@ fn bad_stl_files() {
         assert_eq!(error.to_string(), message);
     }
 }
+
+/// Bytes after the last face are skipped, unless they are faces that the header does not count.
+#[test]
+fn bytes_after_the_faces_are_skipped() {
+    let good = tetrahedron().binary_stl();
+    let expected = parse(&good, Format::Stl).unwrap();
+    for after in [&b"\r\n"[..], &[7; 49], &[7; 51], &[0; 50], &[0; 500]] {
+        let longer = [&good[..], after].concat();
+        assert_eq!(parse(&longer, Format::Stl).unwrap(), expected);
+    }
+    for count in [0, 3, 5] {
+        let mut miscounted = good.clone();
+        miscounted[80] = count;
+        let error = parse(&miscounted, Format::Stl).unwrap_err().to_string();
+        assert!(error.contains("there are 284: it is truncated or damaged"));
+    }
+}
