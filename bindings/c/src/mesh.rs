@@ -44,7 +44,7 @@ pub unsafe extern "C" fn hf_mesh_new(
     }
 }
 
-/// Reads a mesh with its positions from an OBJ, OFF, STL, PLY or VTP file.
+/// Reads a mesh with its positions from an OBJ, OFF, STL, PLY, VTP, VTU, VTK, glTF, MSH, GIFTI or 3MF file.
 ///
 /// `path` is UTF-8. Vertices at the same point are merged if `weld` is not 0. On success `*mesh` is a new mesh,
 /// which hf_mesh_free frees. Fails with HF_STATUS_UNREADABLE_FILE if there is no such file or no mesh in it.

@@ -93,7 +93,7 @@ complete -c helfrich -n "__fish_helfrich_using_subcommand info" -l weld -d 'Merg
 complete -c helfrich -n "__fish_helfrich_using_subcommand info" -s h -l help -d 'Print help'
 complete -c helfrich -n "__fish_helfrich_using_subcommand subdivide" -l weld -d 'Merge vertices at exactly the same point, or at most a distance apart. Files from renderers often have separate vertices for each face' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand subdivide" -l levels -d 'Number of refinements' -r
-complete -c helfrich -n "__fish_helfrich_using_subcommand subdivide" -s o -l output -d 'Output file; the extension `.obj`, `.off`, `.stl`, `.ply` or `.vtp` determines the format' -r -F
+complete -c helfrich -n "__fish_helfrich_using_subcommand subdivide" -s o -l output -d 'Output file; its ending determines the format: .obj, .off, .stl, .ply, .vtp and .glb' -r -F
 complete -c helfrich -n "__fish_helfrich_using_subcommand subdivide" -l limit -d 'Place the vertices on the smooth surface to which further refinement would converge'
 complete -c helfrich -n "__fish_helfrich_using_subcommand subdivide" -s h -l help -d 'Print help'
 complete -c helfrich -n "__fish_helfrich_using_subcommand run" -l set -d 'Replace a value of the scene, as in `surface.vesicle.bending.modulus=0.3`, or remove it, as in `surface.vesicle.bending=`; may be repeated' -r

@@ -64,7 +64,7 @@ _arguments "${_arguments_options[@]}" : \
 '--threads=[Number of threads, from 1 to 1024; by default as many as the machine runs at once. Results do not depend on it]:N:_default' \
 '-h[Print help]' \
 '--help[Print help]' \
-':mesh -- OBJ, OFF, STL, PLY or VTP file:_files' \
+':mesh -- Mesh file\: .obj, .off, .stl, .ply, .vtp, .vtu, .vtk, .glb, .gltf, .msh, .gii and .3mf, also compressed as .gz:_files' \
 && ret=0
 ;;
 (curvature)
@@ -85,7 +85,7 @@ _arguments "${_arguments_options[@]}" : \
 '--errors[Add principal curvatures, error bars and a verdict to the results of any method, by comparison with jets that choose their scale from the noise; \`--method jet\` always has them]' \
 '-h[Print help (see more with '\''--help'\'')]' \
 '--help[Print help (see more with '\''--help'\'')]' \
-':mesh -- OBJ, OFF, STL, PLY or VTP file:_files' \
+':mesh -- Mesh file\: .obj, .off, .stl, .ply, .vtp, .vtu, .vtk, .glb, .gltf, .msh, .gii and .3mf, also compressed as .gz:_files' \
 && ret=0
 ;;
 (info)
@@ -93,19 +93,19 @@ _arguments "${_arguments_options[@]}" : \
 '--weld=[Merge vertices at exactly the same point, or at most a distance apart. Files from renderers often have separate vertices for each face]::DISTANCE:_default' \
 '-h[Print help]' \
 '--help[Print help]' \
-':mesh -- OBJ, OFF, STL, PLY or VTP file:_files' \
+':mesh -- Mesh file\: .obj, .off, .stl, .ply, .vtp, .vtu, .vtk, .glb, .gltf, .msh, .gii and .3mf, also compressed as .gz:_files' \
 && ret=0
 ;;
 (subdivide)
 _arguments "${_arguments_options[@]}" : \
 '--weld=[Merge vertices at exactly the same point, or at most a distance apart. Files from renderers often have separate vertices for each face]::DISTANCE:_default' \
 '--levels=[Number of refinements]:LEVELS:_default' \
-'-o+[Output file; the extension \`.obj\`, \`.off\`, \`.stl\`, \`.ply\` or \`.vtp\` determines the format]:OUTPUT:_files' \
-'--output=[Output file; the extension \`.obj\`, \`.off\`, \`.stl\`, \`.ply\` or \`.vtp\` determines the format]:OUTPUT:_files' \
+'-o+[Output file; its ending determines the format\: .obj, .off, .stl, .ply, .vtp and .glb]:OUTPUT:_files' \
+'--output=[Output file; its ending determines the format\: .obj, .off, .stl, .ply, .vtp and .glb]:OUTPUT:_files' \
 '--limit[Place the vertices on the smooth surface to which further refinement would converge]' \
 '-h[Print help]' \
 '--help[Print help]' \
-':mesh -- OBJ, OFF, STL, PLY or VTP file:_files' \
+':mesh -- Mesh file\: .obj, .off, .stl, .ply, .vtp, .vtu, .vtk, .glb, .gltf, .msh, .gii and .3mf, also compressed as .gz:_files' \
 && ret=0
 ;;
 (run)

@@ -16,7 +16,7 @@ use helfrich::{Bandwidth, DualArea, Finding, Surface};
 use helfrich_std::execute::{available_threads, with_threads};
 use helfrich_std::info::MeshInfo;
 use helfrich_std::io::{
-    MeshFile, WriteError, check_replaceable, is_same_file, read, read_welded_within, write,
+    Format, MeshFile, WriteError, check_replaceable, is_same_file, read, read_welded_within, write,
 };
 use helfrich_std::method::{AnyMethod, BendingMethod, MethodOptions, OwnMethod};
 use helfrich_std::noise::noise_seen;
@@ -167,7 +167,7 @@ struct SweepArguments {
 
 #[derive(clap::Args)]
 struct MeshArguments {
-    /// OBJ, OFF, STL, PLY or VTP file.
+    #[arg(help = format!("Mesh file: {}, also compressed as .gz", Format::readable()))]
     mesh: PathBuf,
     /// Merge vertices at exactly the same point, or at most a distance apart. Files from renderers often have
     /// separate vertices for each face.
@@ -192,8 +192,9 @@ struct SubdivideArguments {
     /// Place the vertices on the smooth surface to which further refinement would converge.
     #[arg(long)]
     limit: bool,
-    /// Output file; the extension `.obj`, `.off`, `.stl`, `.ply` or `.vtp` determines the format.
-    #[arg(long, short)]
+    #[arg(long, short, help = format!(
+        "Output file; its ending determines the format: {}", Format::writable()
+    ))]
     output: PathBuf,
 }
 

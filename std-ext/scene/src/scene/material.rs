@@ -17,7 +17,7 @@ static KEYS: Keys = plain(&[required(
     "column",
     Form::Text,
     "The name of a column of the surface's mesh file, one number for each vertex or face in the scene's \
-     units: an array of one component in the PointData or CellData of a VTP file, or a property of the \
+     units: an array of one component in the PointData or CellData of a VTP, VTU or VTK file, or a property of the \
      vertices or faces of a PLY file.",
 )]);
 
@@ -227,7 +227,8 @@ impl Builder<'_> {
         }
         let known = Vec::from_iter(columns.iter().map(|column| format!("\"{}\"", column.name)));
         let known = match known.as_slice() {
-            [] => "it has none; .vtp and .ply files may have columns".to_owned(),
+            [] => "it has none; .ply, .vtp, .vtu, .vtk, .msh and .gii files may have columns"
+                .to_owned(),
             known => format!("it has {}", known.join(", ")),
         };
         let path = file.path.display();

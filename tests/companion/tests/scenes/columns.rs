@@ -120,7 +120,7 @@ fn unusable_columns_are_refused() {
     files.refused(
         "mesh = \"sphere.off\"",
         &bending,
-        &["it has none; .vtp and .ply files may have columns"],
+        &["it has none; .ply, .vtp, .vtu, .vtk, .msh and .gii files may have columns"],
     );
     files.refused(
         "mesh = \"missing.vtp\"",

@@ -115,7 +115,7 @@ const MATCH_VOLUME: Key = optional(
 const MESH: Key = optional(
     "mesh",
     Form::File,
-    "OBJ, OFF, STL, PLY or VTP file, relative to the scene's folder, such as the `last.vtp` of a run; \
+    "OBJ, OFF, STL, PLY, VTP, VTU, VTK, glTF, MSH, GIFTI or 3MF file, relative to the scene's folder, such as the `last.vtp` of a run; \
      its coordinates are in the scene's unit of length.",
 );
 
