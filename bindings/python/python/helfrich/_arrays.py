@@ -46,24 +46,31 @@ def _refuse_masked(given: Any, name: str) -> None:
         )
 
 
-def _refuse_several(mesh: Any) -> None:
-    """Refuses objects of other libraries that are no single surface, with what makes one of them."""
-    kind = type(mesh).__name__
+# Numbers of VTK's types of cells: polygons with straight edges, and those without area.
+_POLYGONS = (5, 7, 9)
+_WITHOUT_AREA = (0, 1, 2, 3, 4, 21)
+
+
+def _one(mesh: Any) -> Any:
+    """One mesh of several, as their own library joins them; everything else as it is given.
+
+    All vertices are kept in their order, so that results at the vertices belong to them.
+    """
     if hasattr(mesh, "n_blocks") and hasattr(mesh, "combine"):
-        raise MeshError(
-            f"a {kind} has several meshes: {kind.lower()}.combine().extract_surface().triangulate() is one"
-        )
+        return mesh.combine()
     if hasattr(mesh, "geometry") and hasattr(mesh, "graph"):
-        raise MeshError(f"a {kind} has several meshes: {kind.lower()}.to_geometry() is one")
-    if hasattr(mesh, "extract_surface") and not hasattr(mesh, "strips"):
+        return mesh.to_geometry() if hasattr(mesh, "to_geometry") else mesh.dump(concatenate=True)
+    if hasattr(mesh, "extract_surface") and not hasattr(mesh, "strips") and not hasattr(mesh, "celltypes"):
+        kind = type(mesh).__name__
         raise MeshError(f"a {kind} is no surface of polygons: mesh.extract_surface().triangulate() is one")
+    return mesh
 
 
 def _mesh_points(mesh: Any) -> Any:
     """The positions of a mesh of another library; the object itself if it is none."""
     if isinstance(mesh, (np.ndarray, list, tuple)):
         return mesh
-    _refuse_several(mesh)
+    mesh = _one(mesh)
     for name in ("points", "vertices"):
         if hasattr(mesh, name):
             return getattr(mesh, name)
@@ -74,7 +81,9 @@ def _mesh_faces(mesh: Any) -> Any:
     """The faces of a mesh of another library; the object itself if it is none."""
     if isinstance(mesh, (np.ndarray, list, tuple)):
         return mesh
-    _refuse_several(mesh)
+    mesh = _one(mesh)
+    if hasattr(mesh, "celltypes") and hasattr(mesh, "cell_connectivity"):
+        return _grid_faces(mesh)
     if hasattr(mesh, "cells") and hasattr(mesh, "cells_dict") and hasattr(mesh, "points"):
         return _cell_faces(mesh)
     if hasattr(mesh, "points") and hasattr(mesh, "faces"):
@@ -98,6 +107,26 @@ def _listed_faces(mesh: Any) -> Any:
     if flat.size % 4 != 0 or np.any(flat[::4] != 3):
         raise MeshError("the mesh has polygons: mesh.triangulate() makes triangles of them")
     return flat.reshape(-1, 4)[:, 1:]
+
+
+def _grid_faces(mesh: Any) -> Any:
+    """The triangles of an unstructured grid of pyvista, whose polygons are divided; cells without area are left out."""
+    kinds, ends = np.asarray(mesh.celltypes), np.asarray(mesh.offset)
+    corners = np.asarray(mesh.cell_connectivity).astype(np.int64)
+    others = kinds[~np.isin(kinds, _POLYGONS + _WITHOUT_AREA)]
+    if others.size:
+        raise MeshError(
+            f"the mesh has {others.size} cells that are no triangles, quads or polygons with straight edges, the first "
+            f"of VTK's type {others[0]}: mesh.extract_surface().triangulate() is a surface"
+        )
+    kept = np.isin(kinds, _POLYGONS)
+    if not kept.any():
+        raise MeshError("the mesh has no triangles, quads or polygons: a surface is needed")
+    sizes = np.diff(ends).astype(np.int64)
+    corners, sizes = corners[np.repeat(kept, sizes)], sizes[kept]
+    if (sizes == 3).all():
+        return corners.reshape(-1, 3)
+    return _helfrich.divided(positions(mesh.points), corners, sizes)
 
 
 def _cell_faces(mesh: Any) -> Any:

@@ -16,7 +16,7 @@ Mesh = Tuple[np.ndarray, np.ndarray]
 
 
 def read(path: "str | os.PathLike[str]") -> Mesh:
-    """Reads a mesh file: OBJ, OFF, STL, PLY or VTP.
+    """Reads a mesh file: OBJ, OFF, STL, PLY, VTP, VTU, VTK, glTF, MSH, GIFTI or 3MF, also compressed by gzip.
 
     Polygons become triangles. STL files are welded; others keep their vertices, see `weld`.
 
@@ -46,9 +46,9 @@ def read(path: "str | os.PathLike[str]") -> Mesh:
 
 
 def write(path: "str | os.PathLike[str]", V: Any, F: Any = None, **vertex_fields: Any) -> None:
-    """Writes a mesh file, completely or not at all: OBJ, OFF, STL, PLY or VTP.
+    """Writes a mesh file, completely or not at all: OBJ, OFF, STL, PLY, VTP or GLB.
 
-    All formats keep all digits of float64, except STL with those of float32. VTP files take fields at the
+    All formats keep all digits of float64, except STL and GLB with those of float32. VTP files take fields at the
     vertices, (n,) or (n, 3), by keyword, for ParaView and pyvista.
 
     Raises
