@@ -135,6 +135,9 @@ fn faces_of_higher_order_have_their_corners() {
         (found.left_out, &columns[0].values[..]),
         (0, &[0.0, 2.0, 3.0][..])
     );
+    let alone = text("CELLS 1 7\n6 0 2 3 4 5 6\nCELL_TYPES 1\n22\n");
+    let alone = parse(alone.as_bytes(), Format::Vtk).unwrap();
+    assert_eq!(alone, found);
     let error = parse(
         text("CELLS 1 5\n4 0 2 3 7\nCELL_TYPES 1\n10\n").as_bytes(),
         Format::Vtk,
@@ -247,6 +250,7 @@ fn nodes_of_gltf_are_placed() {
         "/etc/passwd",
         "a\\\\b.bin",
         "file:x.bin",
+        ".hidden",
         "",
     ] {
         std::fs::write(&path, gltf(&format!(r#","uri":"{elsewhere}""#))).unwrap();
