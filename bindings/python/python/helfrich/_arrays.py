@@ -111,7 +111,9 @@ def _listed_faces(mesh: Any) -> Any:
 
 def _grid_faces(mesh: Any) -> Any:
     """The triangles of an unstructured grid of pyvista, whose polygons are divided; cells without area are left out."""
-    kinds, ends = np.asarray(mesh.celltypes), np.asarray(mesh.offset)
+    # pyvista 0.49 has another name for the ends of cells.
+    ends = np.asarray(mesh.cell_offsets if hasattr(mesh, "cell_offsets") else mesh.offset)
+    kinds = np.asarray(mesh.celltypes)
     corners = np.asarray(mesh.cell_connectivity).astype(np.int64)
     others = kinds[~np.isin(kinds, _POLYGONS + _WITHOUT_AREA)]
     if others.size:
