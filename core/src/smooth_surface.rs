@@ -21,6 +21,7 @@ use core::array::from_fn;
 use core::iter::zip;
 use face_tree::FaceTree;
 pub use face_tree::MeshPoint;
+pub(crate) use face_tree::nearest_of;
 
 /// Most steps of a projection.
 const STEPS: usize = 30;

@@ -177,7 +177,7 @@ fn divide<T: Real>(
 }
 
 /// The barycentric coordinates of the point of a triangle that is nearest to `point`, and the squared distance.
-fn nearest_of<T: Real>(surface: Surface<'_, T>, triangle: usize, point: Vec3<T>) -> ([T; 3], T) {
+pub(crate) fn nearest_of<T: Real>(surface: Surface<'_, T>, triangle: usize, point: Vec3<T>) -> ([T; 3], T) {
     let [a, b, c] =
         surface.mesh().triangles()[triangle].map(|corner| surface.positions()[corner as usize]);
     let (ab, ac, to) = (sub(b, a), sub(c, a), sub(point, a));

@@ -1,0 +1,201 @@
+//! The flat triangles of the input, on which the vertices of a new mesh move.
+
+use crate::edit::{EditableMesh, Freedom};
+use crate::lane::Lane;
+use crate::real::Real;
+use crate::smooth_surface::{MeshPoint, nearest_of};
+use crate::surface::Surface;
+use crate::vec3::{Vec3, add, dot, norm, scale, sub};
+use core::array::from_fn;
+use core::iter::zip;
+
+/// The input, with its kept lines, and the edge length that is wanted at each of its vertices.
+pub(super) struct Ground<'a, T> {
+    pub(super) surface: Surface<'a, T>,
+    pub(super) corners: EditableMesh,
+    pub(super) sizes: &'a [T],
+}
+
+/// A place on a line of the input: a part of the way between two vertices along the line, or a vertex, twice.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Spot<T> {
+    pub(super) from: u32,
+    pub(super) to: u32,
+    pub(super) part: T,
+}
+
+impl<T: Real> Spot<T> {
+    pub(super) fn at_vertex(vertex: u32) -> Self {
+        Self {
+            from: vertex,
+            to: vertex,
+            part: T::zero(),
+        }
+    }
+}
+
+impl<T: Real> Ground<'_, T> {
+    fn at(&self, vertex: u32) -> Vec3<T> {
+        self.surface.positions()[vertex as usize]
+    }
+
+    pub(super) fn position(&self, place: MeshPoint<T>) -> Vec3<T> {
+        let corners = self.surface.mesh().triangles()[place.triangle];
+        let terms = zip(corners, place.barycentric);
+        let terms = terms.map(|(corner, weight)| scale(weight, self.at(corner)));
+        terms.fold([T::zero(); 3], add)
+    }
+
+    pub(super) fn size(&self, place: MeshPoint<T>) -> T {
+        let corners = self.surface.mesh().triangles()[place.triangle];
+        let terms = zip(corners, place.barycentric);
+        terms
+            .map(|(corner, weight)| weight * self.sizes[corner as usize])
+            .sum()
+    }
+
+    /// A place at a vertex of the input, which is in a triangle.
+    pub(super) fn vertex(&self, vertex: u32) -> MeshPoint<T> {
+        let half_edge = self.corners.around(vertex).next();
+        let corner = half_edge.expect("a vertex of a triangle") as usize;
+        self.corner(corner, T::zero())
+    }
+
+    /// A place on a half-edge of the input.
+    fn corner(&self, half_edge: usize, part: T) -> MeshPoint<T> {
+        let (start, end) = (half_edge % 3, (half_edge + 1) % 3);
+        MeshPoint {
+            triangle: half_edge / 3,
+            barycentric: from_fn(|k| match k {
+                _ if k == start => T::one() - part,
+                _ if k == end => part,
+                _ => T::zero(),
+            }),
+        }
+    }
+
+    /// A place on a line.
+    pub(super) fn place(&self, spot: Spot<T>) -> MeshPoint<T> {
+        let Spot { from, to, part } = spot;
+        match (
+            self.corners.half_edge(from, to),
+            self.corners.half_edge(to, from),
+        ) {
+            (Some(half_edge), _) => self.corner(half_edge as usize, part),
+            (None, Some(half_edge)) => self.corner(half_edge as usize, T::one() - part),
+            (None, None) => self.vertex(from),
+        }
+    }
+
+    /// The point nearest to `target` that is found by going downhill from a place, across edges and vertices.
+    pub(super) fn nearest(&self, from: MeshPoint<T>, target: Vec3<T>) -> MeshPoint<T> {
+        let (barycentric, mut least) = nearest_of(self.surface, from.triangle, target);
+        let mut best = MeshPoint {
+            triangle: from.triangle,
+            barycentric,
+        };
+        loop {
+            let (here, before) = (best, least);
+            let mut visit = |triangle: usize| {
+                let (barycentric, squared) = nearest_of(self.surface, triangle, target);
+                if squared < least {
+                    least = squared;
+                    best = MeshPoint {
+                        triangle,
+                        barycentric,
+                    };
+                }
+            };
+            let is_zero = here.barycentric.map(|weight| weight == T::zero());
+            match is_zero {
+                [false, false, false] => return best,
+                [true, false, false] | [false, true, false] | [false, false, true] => {
+                    let off = is_zero.iter().position(|&zero| zero).unwrap_or(0);
+                    let half_edge = 3 * here.triangle + (off + 1) % 3;
+                    if let Some(other) = self.corners.opposite(half_edge as u32) {
+                        visit(other as usize / 3);
+                    }
+                }
+                _ => {
+                    let corner = is_zero.iter().position(|&zero| !zero).unwrap_or(0);
+                    let vertex = self.surface.mesh().triangles()[here.triangle][corner];
+                    for half_edge in self.corners.around(vertex) {
+                        visit(half_edge as usize / 3);
+                    }
+                }
+            }
+            if !(least < before) {
+                return here;
+            }
+        }
+    }
+
+    /// The spot at a distance along the line from a spot, on the side to which the direction points; at most the end of
+    /// the line.
+    pub(super) fn along(&self, spot: Spot<T>, direction: Vec3<T>, distance: T) -> Spot<T> {
+        let Some(mut spot) = self.towards(spot, direction) else {
+            return spot;
+        };
+        let mut left = distance;
+        // A closed line has at most as many edges as the mesh has vertices.
+        for _ in 0..self.sizes.len() {
+            let length = norm(sub(self.at(spot.to), self.at(spot.from)));
+            let room = (T::one() - spot.part) * length;
+            if left < room {
+                spot.part += left * length.reciprocal_or_zero();
+                return spot;
+            }
+            left -= room;
+            let next = match self.corners.freedom(spot.to) {
+                Freedom::OnLine([a, b]) => Some(if a == spot.from { b } else { a }),
+                _ => None,
+            };
+            let Some(next) = next else {
+                return Spot::at_vertex(spot.to);
+            };
+            spot = Spot {
+                from: spot.to,
+                to: next,
+                part: T::zero(),
+            };
+        }
+        spot
+    }
+
+    /// The same spot, with the end of its edge to which a direction points last; `None` if the line does not go on there.
+    fn towards(&self, spot: Spot<T>, direction: Vec3<T>) -> Option<Spot<T>> {
+        if spot.from != spot.to {
+            let ahead = dot(sub(self.at(spot.to), self.at(spot.from)), direction);
+            return Some(if ahead < T::zero() {
+                Spot {
+                    from: spot.to,
+                    to: spot.from,
+                    part: T::one() - spot.part,
+                }
+            } else {
+                spot
+            });
+        }
+        let mut most = T::zero();
+        let mut best = None;
+        for to in self.line_ends(spot.from) {
+            let edge = sub(self.at(to), self.at(spot.from));
+            let ahead = dot(edge, direction) * norm(edge).reciprocal_or_zero();
+            if ahead > most {
+                most = ahead;
+                best = Some(Spot { to, ..spot });
+            }
+        }
+        best
+    }
+
+    /// The neighbours of a vertex along lines.
+    fn line_ends(&self, vertex: u32) -> impl Iterator<Item = u32> {
+        let neighbours = self.corners.neighbours(vertex);
+        neighbours.filter(move |&other| {
+            let here = self.corners.half_edge(vertex, other);
+            let edge = here.or_else(|| self.corners.half_edge(other, vertex));
+            edge.is_some_and(|half_edge| self.corners.is_kept(half_edge))
+        })
+    }
+}

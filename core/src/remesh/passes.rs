@@ -1,0 +1,406 @@
+//! Passes over a new mesh: splits, collapses, flips and movements of vertices.
+
+use super::ground::{Ground, Spot};
+use crate::edit::{EditableMesh, Freedom};
+use crate::lane::Lane;
+use crate::real::Real;
+use crate::smooth_surface::MeshPoint;
+use crate::vec3::{Vec3, add, cross, dot, norm, normalise, scale, sub, tangent_frame};
+use alloc::vec::Vec;
+
+/// Edges longer than this part of the wanted length are split (M. Botsch and L. Kobbelt, Symp. Geometry Processing 2004).
+const LONG: f64 = 4.0 / 3.0;
+
+/// Edges shorter than this part are collapsed, source as above.
+const SHORT: f64 = 4.0 / 5.0;
+
+/// The least cosine of the angle by which an operation may turn a triangle.
+const TURN: f64 = 0.5;
+
+/// Eight directions.
+const COMPASS: [(f64, f64); 8] = {
+    let half = core::f64::consts::FRAC_1_SQRT_2;
+    [
+        (1.0, 0.0),
+        (half, half),
+        (0.0, 1.0),
+        (-half, half),
+        (-1.0, 0.0),
+        (-half, -half),
+        (0.0, -1.0),
+        (half, -half),
+    ]
+};
+
+/// A new mesh in work.
+pub(super) struct State<'a, T> {
+    pub(super) ground: Ground<'a, T>,
+    pub(super) edited: EditableMesh,
+    /// Where the vertices are on the input.
+    pub(super) places: Vec<MeshPoint<T>>,
+    /// Where they are on its lines.
+    spots: Vec<Spot<T>>,
+    positions: Vec<Vec3<T>>,
+    sizes: Vec<T>,
+    /// The factor of all sizes.
+    pub(super) factor: T,
+}
+
+impl<'a, T: Real> State<'a, T> {
+    pub(super) fn new(ground: Ground<'a, T>) -> Self {
+        let mesh = ground.surface.mesh();
+        let used = |vertex: u32| mesh.valence(vertex as usize) > 0;
+        let vertices = 0..mesh.vertex_count() as u32;
+        let nowhere = MeshPoint {
+            triangle: 0,
+            barycentric: [T::zero(); 3],
+        };
+        let place = |vertex| {
+            if used(vertex) {
+                ground.vertex(vertex)
+            } else {
+                nowhere
+            }
+        };
+        Self {
+            edited: ground.corners.clone(),
+            places: vertices.clone().map(place).collect(),
+            spots: vertices.map(Spot::at_vertex).collect(),
+            positions: ground.surface.positions().to_vec(),
+            sizes: ground.sizes.to_vec(),
+            factor: T::one(),
+            ground,
+        }
+    }
+
+    /// Number of vertices in triangles.
+    pub(super) fn vertex_count(&self) -> usize {
+        let vertices = 0..self.edited.vertex_count() as u32;
+        vertices.filter(|&vertex| self.edited.is_used(vertex)).count()
+    }
+
+    fn at(&self, vertex: u32) -> Vec3<T> {
+        self.positions[vertex as usize]
+    }
+
+    /// The length of an edge over the wanted one.
+    fn relative_length(&self, half_edge: u32) -> T {
+        let [tail, head] = [self.edited.tail(half_edge), self.edited.head(half_edge)];
+        self.relative_distance(tail, head)
+    }
+
+    fn relative_distance(&self, from: u32, to: u32) -> T {
+        let wanted = (self.sizes[from as usize] + self.sizes[to as usize]) / T::constant(2.0);
+        let length = norm(sub(self.at(to), self.at(from)));
+        length * (self.factor * wanted).reciprocal_or_zero()
+    }
+
+    /// Twice the area vector of a triangle.
+    fn area_vector(&self, corners: [u32; 3]) -> Vec3<T> {
+        let [a, b, c] = corners.map(|corner| self.at(corner));
+        cross(sub(b, a), sub(c, a))
+    }
+
+    fn set_place(&mut self, vertex: u32, place: MeshPoint<T>) {
+        let vertex = vertex as usize;
+        self.places[vertex] = place;
+        self.positions[vertex] = self.ground.position(place);
+        self.sizes[vertex] = self.ground.size(place);
+    }
+
+    /// Edges whose relative length is beyond a limit, the farthest first.
+    fn beyond(&self, limit: T, longer: bool) -> Vec<(T, u32)> {
+        let edges = self.edited.edges();
+        let edges = edges.map(|edge| (self.relative_length(edge), edge));
+        let sign = if longer { -T::one() } else { T::one() };
+        let edges = edges.filter(|(length, _)| sign * *length < sign * limit);
+        let mut edges = Vec::from_iter(edges.map(|(length, edge)| (sign * length, edge)));
+        edges.sort_by(|(a, first), (b, second)| {
+            let order = a.partial_cmp(b).unwrap_or(core::cmp::Ordering::Equal);
+            order.then(first.cmp(second))
+        });
+        edges
+    }
+
+    /// Scales the wanted lengths so that triangles of their size would have this number of vertices.
+    pub(super) fn scale_to(&mut self, vertices: usize) {
+        // After the first time, by what came of the last factor.
+        let now = if self.factor == T::one() {
+            let area = |half_edge: u32| {
+                let corners = self.edited.corners(half_edge);
+                let size: T = corners.map(|corner| self.sizes[corner as usize]).into_iter().sum();
+                norm(self.area_vector(corners)) * T::constant(9.0 / 2.0) * (size * size).reciprocal_or_zero()
+            };
+            // An equilateral triangle has the area √3/4, and half a vertex.
+            let triangles: T = self.edited.triangles().map(area).sum();
+            T::constant(2.0 / 3.0_f64.sqrt()) * triangles
+        } else {
+            T::constant(self.vertex_count() as f64)
+        };
+        self.factor *= (now / T::constant(vertices as f64)).sqrt();
+    }
+
+    /// Splits the longest or collapses the shortest edges until there are this many vertices, or none can be collapsed.
+    pub(super) fn bring_to(&mut self, vertices: usize) {
+        let now = self.vertex_count();
+        if now < vertices {
+            self.split(T::zero(), vertices - now);
+        } else {
+            self.collapse(T::infinity(), now - vertices);
+        }
+    }
+
+    /// Splits edges that are too long, each once, and returns their number.
+    pub(super) fn split(&mut self, limit: T, most: usize) -> usize {
+        let edges = self.beyond(limit, true);
+        let ends = edges.iter().map(|&(_, edge)| [self.edited.tail(edge), self.edited.head(edge)]);
+        let ends = Vec::from_iter(ends.take(most));
+        for &[tail, head] in &ends {
+            // Splits before this one remove no other edge, but change numbers.
+            let edge = self.edited.half_edge(tail, head);
+            let edge = edge.or_else(|| self.edited.half_edge(head, tail));
+            self.split_edge(edge.expect("an edge"));
+        }
+        ends.len()
+    }
+
+    pub(super) fn split_long(&mut self) -> usize {
+        self.split(T::constant(LONG), usize::MAX)
+    }
+
+    pub(super) fn collapse_short(&mut self) -> usize {
+        self.collapse(T::constant(SHORT), usize::MAX)
+    }
+
+    fn split_edge(&mut self, edge: u32) {
+        let [tail, head] = [self.edited.tail(edge), self.edited.head(edge)];
+        let half = T::constant(0.5);
+        let way = sub(self.at(head), self.at(tail));
+        let (place, spot) = if self.edited.is_kept(edge) {
+            let spot = self.ground.along(self.spots[tail as usize], way, half * norm(way));
+            (self.ground.place(spot), spot)
+        } else {
+            let middle = add(self.at(tail), scale(half, way));
+            let place = self.ground.nearest(self.places[tail as usize], middle);
+            (place, Spot::at_vertex(0))
+        };
+        let vertex = self.edited.split(edge);
+        self.places.push(place);
+        self.spots.push(spot);
+        self.positions.push([T::zero(); 3]);
+        self.sizes.push(T::zero());
+        self.set_place(vertex, place);
+    }
+
+    /// Collapses edges that are too short, and returns their number.
+    pub(super) fn collapse(&mut self, limit: T, most: usize) -> usize {
+        let mut count = 0;
+        for (_, edge) in self.beyond(limit, false) {
+            if count == most {
+                break;
+            }
+            // Collapses before this one may have removed or changed the edge.
+            if !self.edited.is_edge(edge) || self.relative_length(edge) >= limit {
+                continue;
+            }
+            let sides = [Some(edge), self.edited.opposite(edge)];
+            for half_edge in sides.into_iter().flatten() {
+                if self.edited.may_collapse(half_edge).is_ok() && self.keeps_shape(half_edge) {
+                    let done = self.edited.collapse(half_edge);
+                    count += usize::from(done.is_ok());
+                    break;
+                }
+            }
+        }
+        count
+    }
+
+    /// Whether a collapse makes no edge too long and turns no triangle.
+    fn keeps_shape(&self, half_edge: u32) -> bool {
+        let [tail, head] = [self.edited.tail(half_edge), self.edited.head(half_edge)];
+        let long = T::constant(LONG);
+        let mut neighbours = self.edited.neighbours(tail);
+        let is_short = |other: u32| other == head || self.relative_distance(other, head) < long;
+        if !neighbours.all(is_short) {
+            return false;
+        }
+        self.edited.around(tail).all(|side| {
+            let corners = self.edited.corners(side);
+            if corners.contains(&head) {
+                return true;
+            }
+            let after = corners.map(|corner| if corner == tail { head } else { corner });
+            is_turned_little(self.area_vector(corners), self.area_vector(after))
+        })
+    }
+
+    /// Flips edges where that brings numbers of neighbours nearer to those of a regular mesh, and returns their number.
+    pub(super) fn flip_to_valence(&mut self) -> usize {
+        self.flip_where(|state, edge, [a, b, c, d]| {
+            let valence = |vertex: u32, change: isize| {
+                let ideal = if state.edited.is_border(vertex) { 4 } else { 6 };
+                let off = state.edited.valence(vertex) as isize + change - ideal;
+                off * off
+            };
+            let before = valence(a, 0) + valence(b, 0) + valence(c, 0) + valence(d, 0);
+            let after = valence(a, -1) + valence(b, -1) + valence(c, 1) + valence(d, 1);
+            let _ = edge;
+            after < before
+        })
+    }
+
+    /// Flips edges whose opposite angles have a sum above π, and returns their number.
+    pub(super) fn flip_to_delaunay(&mut self) -> usize {
+        self.flip_where(|state, _, [a, b, c, d]| {
+            let cotangent = |apex: u32| {
+                let [from, to] = [a, b].map(|end| sub(state.at(end), state.at(apex)));
+                dot(from, to) * norm(cross(from, to)).reciprocal_or_zero()
+            };
+            cotangent(c) + cotangent(d) < -T::epsilon().sqrt()
+        })
+    }
+
+    /// Flips edges (a, b) with apexes c and d where that is asked for and legal, and turns no triangle.
+    fn flip_where(&mut self, is_better: impl Fn(&Self, u32, [u32; 4]) -> bool) -> usize {
+        let mut count = 0;
+        let edges = Vec::from_iter(self.edited.edges());
+        for edge in edges {
+            let Some(other) = self.edited.opposite(edge) else {
+                continue;
+            };
+            if self.edited.is_kept(edge) {
+                continue;
+            }
+            let [a, b] = [self.edited.tail(edge), self.edited.head(edge)];
+            let [c, d] = [self.edited.apex(edge), self.edited.apex(other)];
+            let around = add(self.area_vector([a, b, c]), self.area_vector([b, a, d]));
+            let new = [[d, c, a], [c, d, b]].map(|corners| self.area_vector(corners));
+            let fits = new.into_iter().all(|area| is_turned_little(around, area));
+            if fits && is_better(self, edge, [a, b, c, d]) && self.edited.flip(edge).is_ok() {
+                count += 1;
+            }
+        }
+        count
+    }
+
+    /// Moves every vertex towards the mean of its triangles' centroids, weighted by their areas over the square of the
+    /// wanted length, or along its line.
+    pub(super) fn smooth(&mut self) {
+        for vertex in 0..self.edited.vertex_count() as u32 {
+            if !self.edited.is_used(vertex) {
+                continue;
+            }
+            match self.edited.freedom(vertex) {
+                Freedom::Free => self.move_free(vertex),
+                Freedom::OnLine(ends) => self.move_along(vertex, ends),
+                Freedom::Fixed => {}
+            }
+        }
+    }
+
+    fn move_free(&mut self, vertex: u32) {
+        let (mut sum, mut total) = ([T::zero(); 3], T::zero());
+        let third = T::constant(1.0 / 3.0);
+        for half_edge in self.edited.around(vertex) {
+            let corners = self.edited.corners(half_edge);
+            let size: T = corners.map(|corner| self.sizes[corner as usize]).into_iter().sum();
+            let weight = norm(self.area_vector(corners)) * (size * size).reciprocal_or_zero();
+            let middle = corners.map(|corner| self.at(corner));
+            let middle = scale(third, middle.into_iter().fold([T::zero(); 3], add));
+            sum = add(sum, scale(weight, sub(middle, self.at(vertex))));
+            total += weight;
+        }
+        let step = scale(total.reciprocal_or_zero(), sum);
+        let before = self.places[vertex as usize];
+        let target = add(self.at(vertex), step);
+        let place = self.ground.nearest(before, target);
+        self.try_place(vertex, place);
+    }
+
+    /// Moves vertices whose triangles have an angle with a larger cosine than this one, in steps that make the smallest
+    /// angle larger.
+    pub(super) fn widen_angles(&mut self, cosine: T) {
+        for vertex in 0..self.edited.vertex_count() as u32 {
+            let is_free = self.edited.is_used(vertex) && self.edited.freedom(vertex) == Freedom::Free;
+            if is_free && self.largest_cosine(vertex) > cosine {
+                self.widen_angles_at(vertex);
+            }
+        }
+    }
+
+    fn widen_angles_at(&mut self, vertex: u32) {
+        let ring = Vec::from_iter(self.edited.around(vertex));
+        let areas = ring.iter().map(|&side| self.area_vector(self.edited.corners(side)));
+        let axes = tangent_frame(normalise(areas.fold([T::zero(); 3], add)));
+        let mut step = T::constant(0.2) * self.factor * self.sizes[vertex as usize];
+        for _ in 0..4 {
+            let (start, here) = (self.places[vertex as usize], self.at(vertex));
+            let (mut best, mut least) = (start, self.largest_cosine(vertex));
+            for (x, y) in COMPASS {
+                let way = add(scale(T::constant(x), axes[0]), scale(T::constant(y), axes[1]));
+                let place = self.ground.nearest(start, add(here, scale(step, way)));
+                if self.try_place(vertex, place) {
+                    let cosine = self.largest_cosine(vertex);
+                    if cosine < least {
+                        least = cosine;
+                        best = place;
+                    }
+                    self.set_place(vertex, start);
+                }
+            }
+            self.set_place(vertex, best);
+            if best == start {
+                step /= T::constant(2.0);
+            }
+        }
+    }
+
+    /// The cosine of the smallest angle of the triangles at a vertex.
+    fn largest_cosine(&self, vertex: u32) -> T {
+        let cosines = self.edited.around(vertex).map(|side| {
+            let [a, b, c] = self.edited.corners(side).map(|corner| self.at(corner));
+            let edges = [sub(b, a), sub(c, b), sub(a, c)];
+            let lengths = edges.map(norm);
+            let at = |k: usize| {
+                let (one, other) = (k, (k + 2) % 3);
+                -dot(edges[one], edges[other]) * (lengths[one] * lengths[other]).reciprocal_or_zero()
+            };
+            at(0).max(at(1)).max(at(2))
+        });
+        cosines.fold(-T::one(), T::max)
+    }
+
+    fn move_along(&mut self, vertex: u32, ends: [u32; 2]) {
+        let ways = ends.map(|end| sub(self.at(end), self.at(vertex)));
+        let lengths = ends.map(|end| self.relative_distance(vertex, end));
+        let longer = usize::from(lengths[1] > lengths[0]);
+        let [shorter_length, longer_length] = [lengths[1 - longer], lengths[longer]];
+        let part = (longer_length - shorter_length) / (T::constant(4.0) * longer_length).max(T::min_positive_value());
+        let distance = part * norm(ways[longer]);
+        let spot = self.ground.along(self.spots[vertex as usize], ways[longer], distance);
+        if self.try_place(vertex, self.ground.place(spot)) {
+            self.spots[vertex as usize] = spot;
+        }
+    }
+
+    /// Moves a vertex unless that turns a triangle.
+    fn try_place(&mut self, vertex: u32, place: MeshPoint<T>) -> bool {
+        let before = self.places[vertex as usize];
+        let ring = self.edited.around(vertex);
+        let ring = Vec::from_iter(ring.map(|half_edge| self.edited.corners(half_edge)));
+        let areas = Vec::from_iter(ring.iter().map(|&corners| self.area_vector(corners)));
+        self.set_place(vertex, place);
+        let fits = core::iter::zip(ring, areas)
+            .all(|(corners, before)| is_turned_little(before, self.area_vector(corners)));
+        if !fits {
+            self.set_place(vertex, before);
+        }
+        fits
+    }
+}
+
+/// Whether two area vectors have nearly the same direction; any direction is that of a triangle without area.
+fn is_turned_little<T: Real>(before: Vec3<T>, after: Vec3<T>) -> bool {
+    let sizes = norm(before) * norm(after);
+    dot(before, after) > T::constant(TURN) * sizes || norm(before) == T::zero()
+}
