@@ -107,6 +107,20 @@ impl EditableMesh {
         edited
     }
 
+    /// A mesh with kept lines.
+    ///
+    /// # Panics
+    /// If a line is not an edge of the mesh.
+    pub fn with_lines(mesh: &TriangleMesh, lines: &[[u32; 2]]) -> Self {
+        let mut edited = Self::new(mesh);
+        for &[from, to] in lines {
+            let edge = edited.half_edge(from, to);
+            let edge = edge.or_else(|| edited.half_edge(to, from));
+            edited.keep(edge.expect("lines are edges of the mesh"));
+        }
+        edited
+    }
+
     /// Number of vertices, removed ones included.
     pub fn vertex_count(&self) -> usize {
         self.leaving.len()
@@ -512,6 +526,34 @@ impl EditableMesh {
         let mesh = TriangleMesh::new(vertices.len(), triangles.collect());
         let mesh = mesh.expect("every operation leaves an oriented manifold");
         Edited { mesh, vertices }
+    }
+
+    /// The mesh cut along its kept edges. Triangles have the same order and corners; of a vertex where lines pass, each
+    /// side has a copy, and the first of them the number of the vertex.
+    pub fn cut(mut self) -> Edited {
+        let mut copies = Vec::from_iter(0..self.leaving.len() as u32);
+        for vertex in 0..copies.len() as u32 {
+            let mut ring = Vec::from_iter(self.around(vertex));
+            let kept = |half_edge: &u32| self.kept[*half_edge as usize];
+            // A ring without a border begins at a line.
+            let begins_inside = ring.first().is_some_and(|&first| self.opposite(first).is_some());
+            let start = ring.iter().position(kept).filter(|_| begins_inside);
+            ring.rotate_left(start.unwrap_or(0));
+            let mut copy = vertex;
+            for (place, &half_edge) in ring.iter().enumerate() {
+                if place > 0 && self.kept[half_edge as usize] {
+                    copy = copies.len() as u32;
+                    copies.push(vertex);
+                }
+                self.triangles[half_edge as usize / 3][half_edge as usize % 3] = copy;
+            }
+        }
+        let used = self.triangles.into_iter().filter(|corners| corners[0] != NONE);
+        let mesh = TriangleMesh::new(copies.len(), used.collect());
+        Edited {
+            mesh: mesh.expect("cuts leave an oriented manifold"),
+            vertices: copies,
+        }
     }
 
     fn corner_between(&self, triangle: u32, tail: u32, head: u32) -> u32 {

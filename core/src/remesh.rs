@@ -8,11 +8,11 @@
 mod ground;
 mod passes;
 
-use crate::edit::EditableMesh;
 use crate::element::Execution;
 use crate::mesh::TriangleMesh;
 use crate::real::Real;
 use crate::smooth_surface::{MeshPoint, SmoothPoint, SmoothSurface};
+use alloc::vec;
 use alloc::vec::Vec;
 use ground::Ground;
 use passes::State;
@@ -27,8 +27,6 @@ pub struct Remeshing<'a, T> {
     pub sizes: &'a [T],
     /// The number of vertices; lengths are then relative to each other.
     pub vertices: Option<usize>,
-    /// Edges of the input that stay lines of the new mesh, as its border does.
-    pub lines: &'a [[u32; 2]],
     /// Number of rounds of splits, collapses, flips and movements.
     pub rounds: usize,
 }
@@ -49,24 +47,14 @@ impl<T: Real> SmoothSurface<T> {
     /// returns `false`.
     ///
     /// # Panics
-    /// If the number of sizes is not that of the vertices, or a line is no edge.
+    /// If the number of sizes is not that of the vertices.
     pub fn remesh(
         &self,
         execution: &impl Execution,
         settings: &Remeshing<'_, T>,
         go_on: &mut dyn FnMut(f64) -> bool,
     ) -> Option<Remeshed<T>> {
-        let surface = self.surface();
-        let mut corners = EditableMesh::new(surface.mesh());
-        for &[from, to] in settings.lines {
-            let edge = corners.half_edge(from, to).or_else(|| corners.half_edge(to, from));
-            corners.keep(edge.expect("lines are edges"));
-        }
-        let ground = Ground {
-            surface,
-            corners,
-            sizes: settings.sizes,
-        };
+        let ground = Ground::new(self.surface(), self.lines(), settings.sizes);
         let mut state = State::new(ground);
         let rounds = settings.rounds + LAST;
         for round in 0..rounds {
@@ -93,10 +81,14 @@ impl<T: Real> SmoothSurface<T> {
             state.widen_angles(T::constant(0.766));
             state.flip_to_delaunay();
         }
-        let edited = state.edited.finish();
-        let places = edited.vertices.iter().map(|&vertex| state.places[vertex as usize]);
+        let edited = state.edited.clone().finish();
+        let vertices = &edited.vertices;
+        let places = vertices.iter().map(|&vertex| state.places[vertex as usize]);
         let places = Vec::from_iter(places);
-        let points = self.all_at(execution, &places);
+        let mut points = vec![SmoothPoint::default(); places.len()];
+        execution.map(&mut points[..], |index, point| {
+            *point = state.point(self, vertices[index]);
+        });
         Some(Remeshed {
             mesh: edited.mesh,
             places,

@@ -13,6 +13,8 @@ use core::iter::zip;
 pub(super) struct Ground<'a, T> {
     pub(super) surface: Surface<'a, T>,
     pub(super) corners: EditableMesh,
+    /// The same triangles, cut along the lines, which no path crosses.
+    sides: EditableMesh,
     pub(super) sizes: &'a [T],
 }
 
@@ -34,7 +36,78 @@ impl<T: Real> Spot<T> {
     }
 }
 
-impl<T: Real> Ground<'_, T> {
+/// The largest turn of a line at a vertex that is not one of its corners: 45°.
+const CORNER: f64 = core::f64::consts::FRAC_1_SQRT_2;
+
+impl<'a, T: Real> Ground<'a, T> {
+    pub(super) fn new(surface: Surface<'a, T>, lines: &[[u32; 2]], sizes: &'a [T]) -> Self {
+        assert_eq!(sizes.len(), surface.positions().len(), "sizes at vertices");
+        let corners = EditableMesh::with_lines(surface.mesh(), lines);
+        let sides = match lines {
+            [] => corners.clone(),
+            _ => EditableMesh::new(&corners.clone().cut().mesh),
+        };
+        let mut ground = Self {
+            surface,
+            corners,
+            sides,
+            sizes,
+        };
+        for vertex in 0..sizes.len() as u32 {
+            if let Freedom::OnLine(ends) = ground.corners.freedom(vertex) {
+                let [a, b] = ends.map(|end| sub(ground.at(end), ground.at(vertex)));
+                if -dot(a, b) < T::constant(CORNER) * norm(a) * norm(b) {
+                    ground.corners.fix(vertex);
+                }
+            }
+        }
+        ground
+    }
+
+    /// The offset of a smooth line through vertices from the spot of the straight one: a polynomial of degree 3 in the
+    /// length of the straight line, or of a lower one where it ends.
+    pub(super) fn bend(&self, spot: Spot<T>) -> Vec3<T> {
+        let Spot { from, to, part } = spot;
+        let way = sub(self.at(to), self.at(from));
+        let length = norm(way);
+        // Places of the vertices relative to the spot, and lengths along the line.
+        let flat = scale(part, way);
+        let mut points = [([T::zero(); 3], T::zero()); 4];
+        points[0] = (sub([T::zero(); 3], flat), -part * length);
+        points[1] = (sub(way, flat), (T::one() - part) * length);
+        let mut count = 2;
+        for [here, before] in [[from, to], [to, from]] {
+            if let Freedom::OnLine([a, b]) = self.corners.freedom(here) {
+                let beyond = if a == before { b } else { a };
+                let step = norm(sub(self.at(beyond), self.at(here)));
+                let at = sub(sub(self.at(beyond), self.at(from)), flat);
+                let along = if here == from { points[0].1 - step } else { points[1].1 + step };
+                points[count] = (at, along);
+                count += 1;
+            }
+        }
+        let points = &points[..count];
+        let terms = points.iter().enumerate().map(|(k, &(point, own))| {
+            let others = points.iter().enumerate().filter(|(other, _)| *other != k);
+            let weight = others.fold(T::one(), |weight, (_, &(_, other))| {
+                weight * other * (other - own).reciprocal_or_zero()
+            });
+            scale(weight, point)
+        });
+        terms.fold([T::zero(); 3], add)
+    }
+
+    /// The places on the triangles beside a spot; none at a vertex.
+    pub(super) fn sides(&self, spot: Spot<T>) -> [Option<MeshPoint<T>>; 2] {
+        let Spot { from, to, part } = spot;
+        let left = self.corners.half_edge(from, to);
+        let right = self.corners.half_edge(to, from);
+        [
+            left.map(|half_edge| self.corner(half_edge as usize, part)),
+            right.map(|half_edge| self.corner(half_edge as usize, T::one() - part)),
+        ]
+    }
+
     fn at(&self, vertex: u32) -> Vec3<T> {
         self.surface.positions()[vertex as usize]
     }
@@ -76,15 +149,21 @@ impl<T: Real> Ground<'_, T> {
 
     /// A place on a line.
     pub(super) fn place(&self, spot: Spot<T>) -> MeshPoint<T> {
-        let Spot { from, to, part } = spot;
-        match (
-            self.corners.half_edge(from, to),
-            self.corners.half_edge(to, from),
-        ) {
-            (Some(half_edge), _) => self.corner(half_edge as usize, part),
-            (None, Some(half_edge)) => self.corner(half_edge as usize, T::one() - part),
-            (None, None) => self.vertex(from),
-        }
+        let [left, right] = self.sides(spot);
+        left.or(right).unwrap_or_else(|| self.vertex(spot.from))
+    }
+
+    /// The point nearest to `target` that is found by going downhill from a spot, to any of its sides.
+    pub(super) fn nearest_beside(&self, from: Spot<T>, target: Vec3<T>) -> MeshPoint<T> {
+        let ends = [from.from, from.to].into_iter();
+        let around = ends.flat_map(|vertex| self.corners.around(vertex));
+        let squared = |half_edge: &u32| nearest_of(self.surface, *half_edge as usize / 3, target).1;
+        let best = around.min_by(|a, b| {
+            let order = squared(a).partial_cmp(&squared(b));
+            order.unwrap_or(core::cmp::Ordering::Equal)
+        });
+        let half_edge = best.expect("a vertex of a triangle") as usize;
+        self.nearest(self.corner(half_edge, T::zero()), target)
     }
 
     /// The point nearest to `target` that is found by going downhill from a place, across edges and vertices.
@@ -112,14 +191,14 @@ impl<T: Real> Ground<'_, T> {
                 [true, false, false] | [false, true, false] | [false, false, true] => {
                     let off = is_zero.iter().position(|&zero| zero).unwrap_or(0);
                     let half_edge = 3 * here.triangle + (off + 1) % 3;
-                    if let Some(other) = self.corners.opposite(half_edge as u32) {
+                    if let Some(other) = self.sides.opposite(half_edge as u32) {
                         visit(other as usize / 3);
                     }
                 }
                 _ => {
                     let corner = is_zero.iter().position(|&zero| !zero).unwrap_or(0);
-                    let vertex = self.surface.mesh().triangles()[here.triangle][corner];
-                    for half_edge in self.corners.around(vertex) {
+                    let vertex = self.sides.tail((3 * here.triangle + corner) as u32);
+                    for half_edge in self.sides.around(vertex) {
                         visit(half_edge as usize / 3);
                     }
                 }

@@ -4,7 +4,7 @@ use super::ground::{Ground, Spot};
 use crate::edit::{EditableMesh, Freedom};
 use crate::lane::Lane;
 use crate::real::Real;
-use crate::smooth_surface::MeshPoint;
+use crate::smooth_surface::{MeshPoint, SmoothPoint, SmoothSurface};
 use crate::vec3::{Vec3, add, cross, dot, norm, normalise, scale, sub, tangent_frame};
 use alloc::vec::Vec;
 
@@ -16,6 +16,9 @@ const SHORT: f64 = 4.0 / 5.0;
 
 /// The least cosine of the angle by which an operation may turn a triangle.
 const TURN: f64 = 0.5;
+
+/// The cosine of the smallest angle that a collapse may make: 15°.
+const SLENDER: f64 = 0.966;
 
 /// Eight directions.
 const COMPASS: [(f64, f64); 8] = {
@@ -70,6 +73,24 @@ impl<'a, T: Real> State<'a, T> {
             sizes: ground.sizes.to_vec(),
             factor: T::one(),
             ground,
+        }
+    }
+
+    /// The point of the smooth surface at a vertex; on a line the mean of those of its sides over the smooth line.
+    pub(super) fn point(&self, smooth: &SmoothSurface<T>, vertex: u32) -> SmoothPoint<T> {
+        let spot = self.spots[vertex as usize];
+        let place = self.places[vertex as usize];
+        if self.edited.freedom(vertex) == Freedom::Free || spot.from == spot.to {
+            return smooth.at(place);
+        }
+        let bend = self.ground.bend(spot);
+        let sides = self.ground.sides(spot).into_iter().flatten();
+        let sides = Vec::from_iter(sides.map(|side| smooth.beside(side, bend)));
+        let part = T::one() / T::constant(sides.len() as f64);
+        let positions = sides.iter().map(|side| scale(part, side.position));
+        SmoothPoint {
+            position: positions.fold([T::zero(); 3], add),
+            ..sides[0]
         }
     }
 
@@ -146,12 +167,12 @@ impl<'a, T: Real> State<'a, T> {
         if now < vertices {
             self.split(T::zero(), vertices - now);
         } else {
-            self.collapse(T::infinity(), now - vertices);
+            self.collapse(T::infinity(), T::infinity(), now - vertices);
         }
     }
 
     /// Splits edges that are too long, each once, and returns their number.
-    pub(super) fn split(&mut self, limit: T, most: usize) -> usize {
+    fn split(&mut self, limit: T, most: usize) -> usize {
         let edges = self.beyond(limit, true);
         let ends = edges.iter().map(|&(_, edge)| [self.edited.tail(edge), self.edited.head(edge)]);
         let ends = Vec::from_iter(ends.take(most));
@@ -169,7 +190,7 @@ impl<'a, T: Real> State<'a, T> {
     }
 
     pub(super) fn collapse_short(&mut self) -> usize {
-        self.collapse(T::constant(SHORT), usize::MAX)
+        self.collapse(T::constant(SHORT), T::constant(LONG), usize::MAX)
     }
 
     fn split_edge(&mut self, edge: u32) {
@@ -181,7 +202,11 @@ impl<'a, T: Real> State<'a, T> {
             (self.ground.place(spot), spot)
         } else {
             let middle = add(self.at(tail), scale(half, way));
-            let place = self.ground.nearest(self.places[tail as usize], middle);
+            let is_free = |vertex: &u32| self.edited.freedom(*vertex) == Freedom::Free;
+            let place = match [tail, head].into_iter().find(is_free) {
+                Some(free) => self.ground.nearest(self.places[free as usize], middle),
+                None => self.ground.nearest_beside(self.spots[tail as usize], middle),
+            };
             (place, Spot::at_vertex(0))
         };
         let vertex = self.edited.split(edge);
@@ -192,8 +217,8 @@ impl<'a, T: Real> State<'a, T> {
         self.set_place(vertex, place);
     }
 
-    /// Collapses edges that are too short, and returns their number.
-    pub(super) fn collapse(&mut self, limit: T, most: usize) -> usize {
+    /// Collapses edges that are shorter than a limit and make none longer than another, and returns their number.
+    fn collapse(&mut self, limit: T, long: T, most: usize) -> usize {
         let mut count = 0;
         for (_, edge) in self.beyond(limit, false) {
             if count == most {
@@ -205,7 +230,7 @@ impl<'a, T: Real> State<'a, T> {
             }
             let sides = [Some(edge), self.edited.opposite(edge)];
             for half_edge in sides.into_iter().flatten() {
-                if self.edited.may_collapse(half_edge).is_ok() && self.keeps_shape(half_edge) {
+                if self.edited.may_collapse(half_edge).is_ok() && self.keeps_shape(half_edge, long) {
                     let done = self.edited.collapse(half_edge);
                     count += usize::from(done.is_ok());
                     break;
@@ -215,15 +240,15 @@ impl<'a, T: Real> State<'a, T> {
         count
     }
 
-    /// Whether a collapse makes no edge too long and turns no triangle.
-    fn keeps_shape(&self, half_edge: u32) -> bool {
+    /// Whether a collapse makes no edge too long, turns no triangle, and makes none slender that was not.
+    fn keeps_shape(&self, half_edge: u32, long: T) -> bool {
         let [tail, head] = [self.edited.tail(half_edge), self.edited.head(half_edge)];
-        let long = T::constant(LONG);
         let mut neighbours = self.edited.neighbours(tail);
         let is_short = |other: u32| other == head || self.relative_distance(other, head) < long;
         if !neighbours.all(is_short) {
             return false;
         }
+        let slender = self.largest_cosine(tail).max(T::constant(SLENDER));
         self.edited.around(tail).all(|side| {
             let corners = self.edited.corners(side);
             if corners.contains(&head) {
@@ -231,6 +256,7 @@ impl<'a, T: Real> State<'a, T> {
             }
             let after = corners.map(|corner| if corner == tail { head } else { corner });
             is_turned_little(self.area_vector(corners), self.area_vector(after))
+                && self.cosine(after) <= slender
         })
     }
 
@@ -252,11 +278,14 @@ impl<'a, T: Real> State<'a, T> {
     /// Flips edges whose opposite angles have a sum above π, and returns their number.
     pub(super) fn flip_to_delaunay(&mut self) -> usize {
         self.flip_where(|state, _, [a, b, c, d]| {
-            let cotangent = |apex: u32| {
+            // Cosine and sine of the angle at an apex, times the lengths of its sides; right for flat triangles, too.
+            let angle = |apex: u32| {
                 let [from, to] = [a, b].map(|end| sub(state.at(end), state.at(apex)));
-                dot(from, to) * norm(cross(from, to)).reciprocal_or_zero()
+                [dot(from, to), norm(cross(from, to)), norm(from) * norm(to)]
             };
-            cotangent(c) + cotangent(d) < -T::epsilon().sqrt()
+            let [[cos_c, sin_c, size_c], [cos_d, sin_d, size_d]] = [angle(c), angle(d)];
+            let sine_of_sum = sin_c * cos_d + cos_c * sin_d;
+            sine_of_sum < -T::epsilon().sqrt() * size_c * size_d
         })
     }
 
@@ -321,9 +350,30 @@ impl<'a, T: Real> State<'a, T> {
     /// angle larger.
     pub(super) fn widen_angles(&mut self, cosine: T) {
         for vertex in 0..self.edited.vertex_count() as u32 {
-            let is_free = self.edited.is_used(vertex) && self.edited.freedom(vertex) == Freedom::Free;
-            if is_free && self.largest_cosine(vertex) > cosine {
-                self.widen_angles_at(vertex);
+            if !self.edited.is_used(vertex) || self.largest_cosine(vertex) <= cosine {
+                continue;
+            }
+            match self.edited.freedom(vertex) {
+                Freedom::Free => self.widen_angles_at(vertex),
+                Freedom::OnLine(ends) => self.widen_angles_along(vertex, ends),
+                Freedom::Fixed => {}
+            }
+        }
+    }
+
+    fn widen_angles_along(&mut self, vertex: u32, ends: [u32; 2]) {
+        let fifth = T::constant(0.2);
+        for end in ends {
+            let (start, spot) = (self.places[vertex as usize], self.spots[vertex as usize]);
+            let before = self.largest_cosine(vertex);
+            let way = sub(self.at(end), self.at(vertex));
+            let moved = self.ground.along(spot, way, fifth * norm(way));
+            if self.try_place(vertex, self.ground.place(moved)) {
+                if self.largest_cosine(vertex) < before {
+                    self.spots[vertex as usize] = moved;
+                } else {
+                    self.set_place(vertex, start);
+                }
             }
         }
     }
@@ -357,17 +407,22 @@ impl<'a, T: Real> State<'a, T> {
 
     /// The cosine of the smallest angle of the triangles at a vertex.
     fn largest_cosine(&self, vertex: u32) -> T {
-        let cosines = self.edited.around(vertex).map(|side| {
-            let [a, b, c] = self.edited.corners(side).map(|corner| self.at(corner));
-            let edges = [sub(b, a), sub(c, b), sub(a, c)];
-            let lengths = edges.map(norm);
-            let at = |k: usize| {
-                let (one, other) = (k, (k + 2) % 3);
-                -dot(edges[one], edges[other]) * (lengths[one] * lengths[other]).reciprocal_or_zero()
-            };
-            at(0).max(at(1)).max(at(2))
-        });
+        let around = self.edited.around(vertex);
+        let cosines = around.map(|side| self.cosine(self.edited.corners(side)));
         cosines.fold(-T::one(), T::max)
+    }
+
+    /// The cosine of the smallest angle of a triangle.
+    fn cosine(&self, corners: [u32; 3]) -> T {
+        let [a, b, c] = corners.map(|corner| self.at(corner));
+        let edges = [sub(b, a), sub(c, b), sub(a, c)];
+        let lengths = edges.map(norm);
+        let at = |k: usize| {
+            let (one, other) = (k, (k + 2) % 3);
+            let over = (lengths[one] * lengths[other]).reciprocal_or_zero();
+            -dot(edges[one], edges[other]) * over
+        };
+        at(0).max(at(1)).max(at(2))
     }
 
     fn move_along(&mut self, vertex: u32, ends: [u32; 2]) {
