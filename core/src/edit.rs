@@ -323,20 +323,33 @@ impl EditableMesh {
         let [c, d] = [self.apex(half_edge), self.apex(other)];
         let [bc, ca] = [next(half_edge), previous(half_edge)];
         let [ad, db] = [next(other), previous(other)];
-        let outside = [bc, ca, ad, db].map(|at| (self.opposite[at as usize], self.kept[at as usize]));
+        let outside =
+            [bc, ca, ad, db].map(|at| (self.opposite[at as usize], self.kept[at as usize]));
         let [[t, k], [u, l]] = [half_edge, other].map(|at| [at / 3, at % 3].map(|x| x as usize));
         // (d, c, a) and (c, d, b): the half-edge runs from d to c.
         self.triangles[t] = rotated([d, c, a], k);
         self.triangles[u] = rotated([c, d, b], l);
         self.set_kept(half_edge, false);
-        for (place, (opposite, kept)) in [previous(other), next(half_edge), previous(half_edge), next(other)]
-            .into_iter()
-            .zip(outside)
+        for (place, (opposite, kept)) in [
+            previous(other),
+            next(half_edge),
+            previous(half_edge),
+            next(other),
+        ]
+        .into_iter()
+        .zip(outside)
         {
             self.pair(place, opposite);
             self.set_kept(place, kept);
         }
-        for corner in [half_edge, next(half_edge), previous(half_edge), other, next(other), previous(other)] {
+        for corner in [
+            half_edge,
+            next(half_edge),
+            previous(half_edge),
+            other,
+            next(other),
+            previous(other),
+        ] {
             self.leave_by(corner);
         }
         Ok(())
@@ -384,7 +397,10 @@ impl EditableMesh {
             }
             self.set_kept(half_edge, kept);
             self.set_kept(behind, kept);
-            for start in [Some(behind), there, other, Some(half_edge)].into_iter().flatten() {
+            for start in [Some(behind), there, other, Some(half_edge)]
+                .into_iter()
+                .flatten()
+            {
                 for corner in [start, next(start), previous(start)] {
                     self.leave_by(corner);
                 }
@@ -481,7 +497,11 @@ impl EditableMesh {
         let is_apex = |vertex: u32| apexes.contains(&Some(vertex));
         // The link condition: common neighbours are the apexes.
         let common = |vertex: &u32| self.neighbours(head).any(|other| other == *vertex);
-        if self.neighbours(tail).filter(common).any(|vertex| !is_apex(vertex)) {
+        if self
+            .neighbours(tail)
+            .filter(common)
+            .any(|vertex| !is_apex(vertex))
+        {
             return Err(Refusal::Topology);
         }
         if self.is_border(tail) && self.is_border(head) && other.is_some() {
@@ -536,7 +556,9 @@ impl EditableMesh {
             let mut ring = Vec::from_iter(self.around(vertex));
             let kept = |half_edge: &u32| self.kept[*half_edge as usize];
             // A ring without a border begins at a line.
-            let begins_inside = ring.first().is_some_and(|&first| self.opposite(first).is_some());
+            let begins_inside = ring
+                .first()
+                .is_some_and(|&first| self.opposite(first).is_some());
             let start = ring.iter().position(kept).filter(|_| begins_inside);
             ring.rotate_left(start.unwrap_or(0));
             let mut copy = vertex;
@@ -548,7 +570,10 @@ impl EditableMesh {
                 self.triangles[half_edge as usize / 3][half_edge as usize % 3] = copy;
             }
         }
-        let used = self.triangles.into_iter().filter(|corners| corners[0] != NONE);
+        let used = self
+            .triangles
+            .into_iter()
+            .filter(|corners| corners[0] != NONE);
         let mesh = TriangleMesh::new(copies.len(), used.collect());
         Edited {
             mesh: mesh.expect("cuts leave an oriented manifold"),

@@ -77,6 +77,7 @@ mod domains;
 pub mod edit;
 pub mod elasticity;
 pub mod element;
+mod face_tree;
 mod fit;
 pub mod functional;
 mod gravity;
@@ -98,6 +99,7 @@ mod real;
 mod reduction;
 mod remesh;
 mod reordering;
+mod self_crossing;
 pub mod shapes;
 mod smooth_surface;
 mod sparse_matrix;
@@ -123,6 +125,7 @@ pub use dissipation::{Dissipation, MembraneViscosity};
 pub use domains::{BorderTension, GaussianDomains, GaussianDomainsMemory};
 pub use elasticity::{InPlane, LocalArea, NeoHookean, ReferenceError, Skalak, StrainEnergy};
 pub use element::{Execution, Serial};
+pub use face_tree::MeshPoint;
 pub use functional::{
     AnyFunctional, BoundaryLength, EnclosedVolume, Functional, PatchFunctional, TotalArea,
     TotalGaussianCurvature, TotalMeanCurvature,
@@ -144,7 +147,8 @@ pub use projection::{Projected, ProjectedMemory, RigidBody, remove_net_force_and
 pub use real::Real;
 pub use remesh::{Remeshed, Remeshing};
 pub use reordering::Reordering;
-pub use smooth_surface::{MeshPoint, SmoothPoint, SmoothSurface};
+pub use self_crossing::crossing_triangles;
+pub use smooth_surface::{SmoothPoint, SmoothSurface};
 pub use sparse_matrix::SparseMatrix;
 pub use subdivision::Subdivision;
 pub use surface::{Surface, SurfaceError};

@@ -9,9 +9,12 @@ mod ground;
 mod passes;
 
 use crate::element::Execution;
+use crate::face_tree::MeshPoint;
 use crate::mesh::TriangleMesh;
 use crate::real::Real;
-use crate::smooth_surface::{MeshPoint, SmoothPoint, SmoothSurface};
+use crate::self_crossing::crossing_triangles;
+use crate::smooth_surface::{SmoothPoint, SmoothSurface};
+use crate::surface::Surface;
 use alloc::vec;
 use alloc::vec::Vec;
 use ground::Ground;
@@ -19,6 +22,9 @@ use passes::State;
 
 /// Number of rounds at the end that make triangles Delaunay ones.
 const LAST: usize = 4;
+
+/// Most attempts to put vertices on flat triangles where triangles cross.
+const RETREATS: usize = 8;
 
 /// The mesh that [`SmoothSurface::remesh`] makes.
 #[derive(Clone, Copy, Debug)]
@@ -38,8 +44,12 @@ pub struct Remeshed<T> {
     pub mesh: TriangleMesh,
     /// The place of each vertex on the input.
     pub places: Vec<MeshPoint<T>>,
-    /// The point of the smooth surface there: position, normal, curvatures, error bars.
+    /// The point of the smooth surface there: position, normal, curvatures, error bars. Where fits disagree by a part of
+    /// the edges of the input, and where triangles would cross otherwise, it is that of the flat triangle.
     pub points: Vec<SmoothPoint<T>>,
+    /// Pairs of triangles that cross each other, because the input has such pairs, or because it is thinner than the
+    /// wanted edges.
+    pub crossings: Vec<[u32; 2]>,
 }
 
 impl<T: Real> SmoothSurface<T> {
@@ -82,17 +92,35 @@ impl<T: Real> SmoothSurface<T> {
             state.flip_to_delaunay();
         }
         let edited = state.edited.clone().finish();
-        let vertices = &edited.vertices;
+        let (mesh, vertices) = (edited.mesh, edited.vertices);
         let places = vertices.iter().map(|&vertex| state.places[vertex as usize]);
-        let places = Vec::from_iter(places);
-        let mut points = vec![SmoothPoint::default(); places.len()];
-        execution.map(&mut points[..], |index, point| {
-            *point = state.point(self, vertices[index]);
-        });
+        let mut flat = vec![false; vertices.len()];
+        let mut points = vec![SmoothPoint::default(); vertices.len()];
+        let mut crossings = Vec::new();
+        for _ in 0..RETREATS {
+            execution.map(&mut points[..], |index, point| {
+                *point = state.point(self, vertices[index], flat[index]);
+            });
+            let positions = Vec::from_iter(points.iter().map(|point| point.position));
+            crossings = crossing_triangles(Surface::of_checked(&mesh, &positions, None));
+            let before = flat.iter().filter(|&&flat| flat).count();
+            for &triangle in crossings.as_flattened() {
+                for corner in mesh.triangles()[triangle as usize] {
+                    flat[corner as usize] = true;
+                    for &other in mesh.one_ring(corner as usize) {
+                        flat[other as usize] = true;
+                    }
+                }
+            }
+            if flat.iter().filter(|&&flat| flat).count() == before {
+                break;
+            }
+        }
         Some(Remeshed {
-            mesh: edited.mesh,
-            places,
+            places: places.collect(),
+            mesh,
             points,
+            crossings,
         })
     }
 }

@@ -4,11 +4,10 @@
 //! N. Ray and X. Jiao, arXiv:1901.08036). Here the fits are those of [`Jet`], and their points are brought to one
 //! normal before they are averaged, without which the order is 6 at most.
 
-mod face_tree;
-
 use crate::curvature::{Curvature, Curvatures};
 use crate::edit::EditableMesh;
 use crate::element::Execution;
+use crate::face_tree::{FaceTree, MeshPoint};
 use crate::lane::Lane;
 use crate::laplacian::{Jet, JetPoint};
 use crate::mesh::TriangleMesh;
@@ -20,9 +19,6 @@ use alloc::vec;
 use alloc::vec::Vec;
 use core::array::from_fn;
 use core::iter::zip;
-use face_tree::FaceTree;
-pub use face_tree::MeshPoint;
-pub(crate) use face_tree::nearest_of;
 
 /// Most steps of a projection.
 const STEPS: usize = 30;
@@ -293,7 +289,7 @@ impl<T: Real> SmoothSurface<T> {
     }
 
     /// A point without fits.
-    fn flat_point(&self, place: MeshPoint<T>, shift: Vec3<T>) -> SmoothPoint<T> {
+    pub(crate) fn flat_point(&self, place: MeshPoint<T>, shift: Vec3<T>) -> SmoothPoint<T> {
         let [a, b, c] = self.mesh.triangles()[place.triangle].map(|k| self.position(k));
         SmoothPoint {
             position: add(self.flat(place), shift),
@@ -353,7 +349,7 @@ impl<T: Real> SmoothSurface<T> {
         terms.fold([T::zero(); 3], add)
     }
 
-    fn longest_edge(&self, triangle: usize) -> T {
+    pub(crate) fn longest_edge(&self, triangle: usize) -> T {
         let [a, b, c] = self.mesh.triangles()[triangle].map(|k| self.position(k));
         norm(sub(b, a)).max(norm(sub(c, a))).max(norm(sub(c, b)))
     }
@@ -364,7 +360,10 @@ impl<T: Real> SmoothSurface<T> {
 }
 
 /// The polynomials of all vertices, their curvatures, and the largest distance of each from the vertices around its own.
-#[expect(clippy::type_complexity, reason = "three columns of one table, taken apart at once")]
+#[expect(
+    clippy::type_complexity,
+    reason = "three columns of one table, taken apart at once"
+)]
 fn fits<T: Real>(
     execution: &impl Execution,
     surface: Surface<'_, T>,

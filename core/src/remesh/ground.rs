@@ -1,11 +1,13 @@
 //! The flat triangles of the input, on which the vertices of a new mesh move.
 
 use crate::edit::{EditableMesh, Freedom};
+use crate::face_tree::{MeshPoint, nearest_of};
 use crate::lane::Lane;
 use crate::real::Real;
-use crate::smooth_surface::{MeshPoint, nearest_of};
 use crate::surface::Surface;
-use crate::vec3::{Vec3, add, dot, norm, scale, sub};
+use crate::vec3::{Vec3, add, dot, norm, normalise, scale, sub};
+use alloc::vec;
+use alloc::vec::Vec;
 use core::array::from_fn;
 use core::iter::zip;
 
@@ -16,6 +18,8 @@ pub(super) struct Ground<'a, T> {
     /// The same triangles, cut along the lines, which no path crosses.
     sides: EditableMesh,
     pub(super) sizes: &'a [T],
+    /// Unit normals at the vertices of the input, means over their triangles.
+    normals: Vec<Vec3<T>>,
 }
 
 /// A place on a line of the input: a part of the way between two vertices along the line, or a vertex, twice.
@@ -52,6 +56,7 @@ impl<'a, T: Real> Ground<'a, T> {
             corners,
             sides,
             sizes,
+            normals: vertex_normals(surface),
         };
         for vertex in 0..sizes.len() as u32 {
             if let Freedom::OnLine(ends) = ground.corners.freedom(vertex) {
@@ -81,7 +86,11 @@ impl<'a, T: Real> Ground<'a, T> {
                 let beyond = if a == before { b } else { a };
                 let step = norm(sub(self.at(beyond), self.at(here)));
                 let at = sub(sub(self.at(beyond), self.at(from)), flat);
-                let along = if here == from { points[0].1 - step } else { points[1].1 + step };
+                let along = if here == from {
+                    points[0].1 - step
+                } else {
+                    points[1].1 + step
+                };
                 points[count] = (at, along);
                 count += 1;
             }
@@ -125,6 +134,18 @@ impl<'a, T: Real> Ground<'a, T> {
         terms
             .map(|(corner, weight)| weight * self.sizes[corner as usize])
             .sum()
+    }
+
+    pub(super) fn normals(&self) -> &[Vec3<T>] {
+        &self.normals
+    }
+
+    /// The unit normal, a mean of those of the corners.
+    pub(super) fn normal(&self, place: MeshPoint<T>) -> Vec3<T> {
+        let corners = self.surface.mesh().triangles()[place.triangle];
+        let terms = zip(corners, place.barycentric);
+        let terms = terms.map(|(corner, weight)| scale(weight, self.normals[corner as usize]));
+        normalise(terms.fold([T::zero(); 3], add))
     }
 
     /// A place at a vertex of the input, which is in a triangle.
@@ -277,4 +298,17 @@ impl<'a, T: Real> Ground<'a, T> {
             edge.is_some_and(|half_edge| self.corners.is_kept(half_edge))
         })
     }
+}
+
+fn vertex_normals<T: Real>(surface: Surface<'_, T>) -> Vec<Vec3<T>> {
+    let mut normals = vec![[T::zero(); 3]; surface.positions().len()];
+    for (triangle, corners) in surface.mesh().triangles().iter().enumerate() {
+        let angles = surface.triangle_angles(triangle);
+        let normal = surface.triangle_normal(triangle);
+        for (&corner, angle) in zip(corners, angles) {
+            let sum = &mut normals[corner as usize];
+            *sum = add(*sum, scale(angle, normal));
+        }
+    }
+    normals.into_iter().map(normalise).collect()
 }

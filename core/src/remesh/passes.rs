@@ -2,9 +2,10 @@
 
 use super::ground::{Ground, Spot};
 use crate::edit::{EditableMesh, Freedom};
+use crate::face_tree::MeshPoint;
 use crate::lane::Lane;
 use crate::real::Real;
-use crate::smooth_surface::{MeshPoint, SmoothPoint, SmoothSurface};
+use crate::smooth_surface::{SmoothPoint, SmoothSurface};
 use crate::vec3::{Vec3, add, cross, dot, norm, normalise, scale, sub, tangent_frame};
 use alloc::vec::Vec;
 
@@ -14,11 +15,14 @@ const LONG: f64 = 4.0 / 3.0;
 /// Edges shorter than this part are collapsed, source as above.
 const SHORT: f64 = 4.0 / 5.0;
 
-/// The least cosine of the angle by which an operation may turn a triangle.
-const TURN: f64 = 0.5;
-
-/// The cosine of the smallest angle that a collapse may make: 15°.
+/// The cosine of the smallest angle of good triangles: 15°.
 const SLENDER: f64 = 0.966;
+
+/// The least cosine between the normals of a good triangle and of the input at its corners.
+const OUTWARD: f64 = 0.5;
+
+/// The error bar of a position, in edges of the input, from which on the flat triangle is taken instead.
+const DOUBTFUL: f64 = 0.25;
 
 /// Eight directions.
 const COMPASS: [(f64, f64); 8] = {
@@ -35,6 +39,23 @@ const COMPASS: [(f64, f64); 8] = {
     ]
 };
 
+/// The worst of some triangles.
+#[derive(Clone, Copy)]
+struct Shape<T> {
+    /// The least cosine between the normal of one and those of the input at its corners.
+    outward: T,
+    /// The cosine of the smallest angle.
+    cosine: T,
+}
+
+impl<T: Real> Shape<T> {
+    /// Whether these are good triangles, or not worse than others.
+    fn is_as_good_as(self, other: Self) -> bool {
+        self.outward >= other.outward.min(T::constant(OUTWARD))
+            && self.cosine <= other.cosine.max(T::constant(SLENDER))
+    }
+}
+
 /// A new mesh in work.
 pub(super) struct State<'a, T> {
     pub(super) ground: Ground<'a, T>,
@@ -44,6 +65,7 @@ pub(super) struct State<'a, T> {
     /// Where they are on its lines.
     spots: Vec<Spot<T>>,
     positions: Vec<Vec3<T>>,
+    normals: Vec<Vec3<T>>,
     sizes: Vec<T>,
     /// The factor of all sizes.
     pub(super) factor: T,
@@ -70,22 +92,32 @@ impl<'a, T: Real> State<'a, T> {
             places: vertices.clone().map(place).collect(),
             spots: vertices.map(Spot::at_vertex).collect(),
             positions: ground.surface.positions().to_vec(),
+            normals: ground.normals().to_vec(),
             sizes: ground.sizes.to_vec(),
             factor: T::one(),
             ground,
         }
     }
 
-    /// The point of the smooth surface at a vertex; on a line the mean of those of its sides over the smooth line.
-    pub(super) fn point(&self, smooth: &SmoothSurface<T>, vertex: u32) -> SmoothPoint<T> {
+    /// The point of the smooth surface at a vertex; on a line the mean of those of its sides over the smooth line. Or the
+    /// point of the flat triangle.
+    pub(super) fn point(
+        &self,
+        smooth: &SmoothSurface<T>,
+        vertex: u32,
+        flat: bool,
+    ) -> SmoothPoint<T> {
         let spot = self.spots[vertex as usize];
         let place = self.places[vertex as usize];
+        if flat {
+            return smooth.flat_point(place, [T::zero(); 3]);
+        }
         if self.edited.freedom(vertex) == Freedom::Free || spot.from == spot.to {
-            return smooth.at(place);
+            return trusted(smooth, place, [T::zero(); 3]);
         }
         let bend = self.ground.bend(spot);
         let sides = self.ground.sides(spot).into_iter().flatten();
-        let sides = Vec::from_iter(sides.map(|side| smooth.beside(side, bend)));
+        let sides = Vec::from_iter(sides.map(|side| trusted(smooth, side, bend)));
         let part = T::one() / T::constant(sides.len() as f64);
         let positions = sides.iter().map(|side| scale(part, side.position));
         SmoothPoint {
@@ -97,7 +129,9 @@ impl<'a, T: Real> State<'a, T> {
     /// Number of vertices in triangles.
     pub(super) fn vertex_count(&self) -> usize {
         let vertices = 0..self.edited.vertex_count() as u32;
-        vertices.filter(|&vertex| self.edited.is_used(vertex)).count()
+        vertices
+            .filter(|&vertex| self.edited.is_used(vertex))
+            .count()
     }
 
     fn at(&self, vertex: u32) -> Vec3<T> {
@@ -126,6 +160,7 @@ impl<'a, T: Real> State<'a, T> {
         let vertex = vertex as usize;
         self.places[vertex] = place;
         self.positions[vertex] = self.ground.position(place);
+        self.normals[vertex] = self.ground.normal(place);
         self.sizes[vertex] = self.ground.size(place);
     }
 
@@ -149,8 +184,13 @@ impl<'a, T: Real> State<'a, T> {
         let now = if self.factor == T::one() {
             let area = |half_edge: u32| {
                 let corners = self.edited.corners(half_edge);
-                let size: T = corners.map(|corner| self.sizes[corner as usize]).into_iter().sum();
-                norm(self.area_vector(corners)) * T::constant(9.0 / 2.0) * (size * size).reciprocal_or_zero()
+                let size: T = corners
+                    .map(|corner| self.sizes[corner as usize])
+                    .into_iter()
+                    .sum();
+                norm(self.area_vector(corners))
+                    * T::constant(9.0 / 2.0)
+                    * (size * size).reciprocal_or_zero()
             };
             // An equilateral triangle has the area √3/4, and half a vertex.
             let triangles: T = self.edited.triangles().map(area).sum();
@@ -174,7 +214,9 @@ impl<'a, T: Real> State<'a, T> {
     /// Splits edges that are too long, each once, and returns their number.
     fn split(&mut self, limit: T, most: usize) -> usize {
         let edges = self.beyond(limit, true);
-        let ends = edges.iter().map(|&(_, edge)| [self.edited.tail(edge), self.edited.head(edge)]);
+        let ends = edges
+            .iter()
+            .map(|&(_, edge)| [self.edited.tail(edge), self.edited.head(edge)]);
         let ends = Vec::from_iter(ends.take(most));
         for &[tail, head] in &ends {
             // Splits before this one remove no other edge, but change numbers.
@@ -198,14 +240,18 @@ impl<'a, T: Real> State<'a, T> {
         let half = T::constant(0.5);
         let way = sub(self.at(head), self.at(tail));
         let (place, spot) = if self.edited.is_kept(edge) {
-            let spot = self.ground.along(self.spots[tail as usize], way, half * norm(way));
+            let spot = self
+                .ground
+                .along(self.spots[tail as usize], way, half * norm(way));
             (self.ground.place(spot), spot)
         } else {
             let middle = add(self.at(tail), scale(half, way));
             let is_free = |vertex: &u32| self.edited.freedom(*vertex) == Freedom::Free;
             let place = match [tail, head].into_iter().find(is_free) {
                 Some(free) => self.ground.nearest(self.places[free as usize], middle),
-                None => self.ground.nearest_beside(self.spots[tail as usize], middle),
+                None => self
+                    .ground
+                    .nearest_beside(self.spots[tail as usize], middle),
             };
             (place, Spot::at_vertex(0))
         };
@@ -213,6 +259,7 @@ impl<'a, T: Real> State<'a, T> {
         self.places.push(place);
         self.spots.push(spot);
         self.positions.push([T::zero(); 3]);
+        self.normals.push([T::zero(); 3]);
         self.sizes.push(T::zero());
         self.set_place(vertex, place);
     }
@@ -230,7 +277,8 @@ impl<'a, T: Real> State<'a, T> {
             }
             let sides = [Some(edge), self.edited.opposite(edge)];
             for half_edge in sides.into_iter().flatten() {
-                if self.edited.may_collapse(half_edge).is_ok() && self.keeps_shape(half_edge, long) {
+                if self.edited.may_collapse(half_edge).is_ok() && self.keeps_shape(half_edge, long)
+                {
                     let done = self.edited.collapse(half_edge);
                     count += usize::from(done.is_ok());
                     break;
@@ -240,7 +288,7 @@ impl<'a, T: Real> State<'a, T> {
         count
     }
 
-    /// Whether a collapse makes no edge too long, turns no triangle, and makes none slender that was not.
+    /// Whether a collapse makes no edge too long, and no bad triangle.
     fn keeps_shape(&self, half_edge: u32, long: T) -> bool {
         let [tail, head] = [self.edited.tail(half_edge), self.edited.head(half_edge)];
         let mut neighbours = self.edited.neighbours(tail);
@@ -248,21 +296,19 @@ impl<'a, T: Real> State<'a, T> {
         if !neighbours.all(is_short) {
             return false;
         }
-        let slender = self.largest_cosine(tail).max(T::constant(SLENDER));
-        self.edited.around(tail).all(|side| {
-            let corners = self.edited.corners(side);
-            if corners.contains(&head) {
-                return true;
-            }
-            let after = corners.map(|corner| if corner == tail { head } else { corner });
-            is_turned_little(self.area_vector(corners), self.area_vector(after))
-                && self.cosine(after) <= slender
-        })
+        let changed = self
+            .edited
+            .around(tail)
+            .map(|side| self.edited.corners(side));
+        let changed = Vec::from_iter(changed.filter(|corners| !corners.contains(&head)));
+        let moved = |corner| if corner == tail { head } else { corner };
+        let after = Vec::from_iter(changed.iter().map(|corners| corners.map(moved)));
+        self.shape(&after).is_as_good_as(self.shape(&changed))
     }
 
     /// Flips edges where that brings numbers of neighbours nearer to those of a regular mesh, and returns their number.
     pub(super) fn flip_to_valence(&mut self) -> usize {
-        self.flip_where(|state, edge, [a, b, c, d]| {
+        self.flip_where(|state, [a, b, c, d]| {
             let valence = |vertex: u32, change: isize| {
                 let ideal = if state.edited.is_border(vertex) { 4 } else { 6 };
                 let off = state.edited.valence(vertex) as isize + change - ideal;
@@ -270,14 +316,13 @@ impl<'a, T: Real> State<'a, T> {
             };
             let before = valence(a, 0) + valence(b, 0) + valence(c, 0) + valence(d, 0);
             let after = valence(a, -1) + valence(b, -1) + valence(c, 1) + valence(d, 1);
-            let _ = edge;
             after < before
         })
     }
 
     /// Flips edges whose opposite angles have a sum above π, and returns their number.
     pub(super) fn flip_to_delaunay(&mut self) -> usize {
-        self.flip_where(|state, _, [a, b, c, d]| {
+        self.flip_where(|state, [a, b, c, d]| {
             // Cosine and sine of the angle at an apex, times the lengths of its sides; right for flat triangles, too.
             let angle = |apex: u32| {
                 let [from, to] = [a, b].map(|end| sub(state.at(end), state.at(apex)));
@@ -289,8 +334,8 @@ impl<'a, T: Real> State<'a, T> {
         })
     }
 
-    /// Flips edges (a, b) with apexes c and d where that is asked for and legal, and turns no triangle.
-    fn flip_where(&mut self, is_better: impl Fn(&Self, u32, [u32; 4]) -> bool) -> usize {
+    /// Flips edges (a, b) with apexes c and d where that is asked for, legal, and leaves good triangles.
+    fn flip_where(&mut self, is_better: impl Fn(&Self, [u32; 4]) -> bool) -> usize {
         let mut count = 0;
         let edges = Vec::from_iter(self.edited.edges());
         for edge in edges {
@@ -302,10 +347,9 @@ impl<'a, T: Real> State<'a, T> {
             }
             let [a, b] = [self.edited.tail(edge), self.edited.head(edge)];
             let [c, d] = [self.edited.apex(edge), self.edited.apex(other)];
-            let around = add(self.area_vector([a, b, c]), self.area_vector([b, a, d]));
-            let new = [[d, c, a], [c, d, b]].map(|corners| self.area_vector(corners));
-            let fits = new.into_iter().all(|area| is_turned_little(around, area));
-            if fits && is_better(self, edge, [a, b, c, d]) && self.edited.flip(edge).is_ok() {
+            let old = self.shape(&[[a, b, c], [b, a, d]]);
+            let is_fit = self.shape(&[[d, c, a], [c, d, b]]).is_as_good_as(old);
+            if is_fit && is_better(self, [a, b, c, d]) && self.edited.flip(edge).is_ok() {
                 count += 1;
             }
         }
@@ -332,7 +376,10 @@ impl<'a, T: Real> State<'a, T> {
         let third = T::constant(1.0 / 3.0);
         for half_edge in self.edited.around(vertex) {
             let corners = self.edited.corners(half_edge);
-            let size: T = corners.map(|corner| self.sizes[corner as usize]).into_iter().sum();
+            let size: T = corners
+                .map(|corner| self.sizes[corner as usize])
+                .into_iter()
+                .sum();
             let weight = norm(self.area_vector(corners)) * (size * size).reciprocal_or_zero();
             let middle = corners.map(|corner| self.at(corner));
             let middle = scale(third, middle.into_iter().fold([T::zero(); 3], add));
@@ -341,6 +388,9 @@ impl<'a, T: Real> State<'a, T> {
         }
         let step = scale(total.reciprocal_or_zero(), sum);
         let before = self.places[vertex as usize];
+        // Along the surface: on a thin one, the mean is nearer to the other side.
+        let normal = self.normals[vertex as usize];
+        let step = sub(step, scale(dot(step, normal), normal));
         let target = add(self.at(vertex), step);
         let place = self.ground.nearest(before, target);
         self.try_place(vertex, place);
@@ -380,14 +430,19 @@ impl<'a, T: Real> State<'a, T> {
 
     fn widen_angles_at(&mut self, vertex: u32) {
         let ring = Vec::from_iter(self.edited.around(vertex));
-        let areas = ring.iter().map(|&side| self.area_vector(self.edited.corners(side)));
+        let areas = ring
+            .iter()
+            .map(|&side| self.area_vector(self.edited.corners(side)));
         let axes = tangent_frame(normalise(areas.fold([T::zero(); 3], add)));
         let mut step = T::constant(0.2) * self.factor * self.sizes[vertex as usize];
         for _ in 0..4 {
             let (start, here) = (self.places[vertex as usize], self.at(vertex));
             let (mut best, mut least) = (start, self.largest_cosine(vertex));
             for (x, y) in COMPASS {
-                let way = add(scale(T::constant(x), axes[0]), scale(T::constant(y), axes[1]));
+                let way = add(
+                    scale(T::constant(x), axes[0]),
+                    scale(T::constant(y), axes[1]),
+                );
                 let place = self.ground.nearest(start, add(here, scale(step, way)));
                 if self.try_place(vertex, place) {
                     let cosine = self.largest_cosine(vertex);
@@ -430,23 +485,45 @@ impl<'a, T: Real> State<'a, T> {
         let lengths = ends.map(|end| self.relative_distance(vertex, end));
         let longer = usize::from(lengths[1] > lengths[0]);
         let [shorter_length, longer_length] = [lengths[1 - longer], lengths[longer]];
-        let part = (longer_length - shorter_length) / (T::constant(4.0) * longer_length).max(T::min_positive_value());
+        let part = (longer_length - shorter_length)
+            / (T::constant(4.0) * longer_length).max(T::min_positive_value());
         let distance = part * norm(ways[longer]);
-        let spot = self.ground.along(self.spots[vertex as usize], ways[longer], distance);
+        let spot = self
+            .ground
+            .along(self.spots[vertex as usize], ways[longer], distance);
         if self.try_place(vertex, self.ground.place(spot)) {
             self.spots[vertex as usize] = spot;
         }
     }
 
-    /// Moves a vertex unless that turns a triangle.
+    /// The least cosine between the normal of a triangle and those of the input at its corners.
+    fn outward(&self, corners: [u32; 3]) -> T {
+        let normal = normalise(self.area_vector(corners));
+        let cosines = corners.map(|corner| dot(normal, self.normals[corner as usize]));
+        cosines[0].min(cosines[1]).min(cosines[2])
+    }
+
+    /// The worst of these triangles.
+    fn shape(&self, triangles: &[[u32; 3]]) -> Shape<T> {
+        let mut worst = Shape {
+            outward: T::one(),
+            cosine: -T::one(),
+        };
+        for &corners in triangles {
+            worst.outward = worst.outward.min(self.outward(corners));
+            worst.cosine = worst.cosine.max(self.cosine(corners));
+        }
+        worst
+    }
+
+    /// Moves a vertex unless that makes a bad triangle.
     fn try_place(&mut self, vertex: u32, place: MeshPoint<T>) -> bool {
         let before = self.places[vertex as usize];
         let ring = self.edited.around(vertex);
         let ring = Vec::from_iter(ring.map(|half_edge| self.edited.corners(half_edge)));
-        let areas = Vec::from_iter(ring.iter().map(|&corners| self.area_vector(corners)));
+        let old = self.shape(&ring);
         self.set_place(vertex, place);
-        let fits = core::iter::zip(ring, areas)
-            .all(|(corners, before)| is_turned_little(before, self.area_vector(corners)));
+        let fits = self.shape(&ring).is_as_good_as(old);
         if !fits {
             self.set_place(vertex, before);
         }
@@ -454,8 +531,16 @@ impl<'a, T: Real> State<'a, T> {
     }
 }
 
-/// Whether two area vectors have nearly the same direction; any direction is that of a triangle without area.
-fn is_turned_little<T: Real>(before: Vec3<T>, after: Vec3<T>) -> bool {
-    let sizes = norm(before) * norm(after);
-    dot(before, after) > T::constant(TURN) * sizes || norm(before) == T::zero()
+/// The point of the smooth surface beside a place, or of the flat triangle, if nothing is known about the smooth one.
+fn trusted<T: Real>(
+    smooth: &SmoothSurface<T>,
+    place: MeshPoint<T>,
+    shift: Vec3<T>,
+) -> SmoothPoint<T> {
+    let point = smooth.beside(place, shift);
+    if point.position_error < T::constant(DOUBTFUL) * smooth.longest_edge(place.triangle) {
+        point
+    } else {
+        smooth.flat_point(place, shift)
+    }
 }
