@@ -37,6 +37,11 @@ pub struct Remeshing<'a, T> {
     pub rounds: usize,
 }
 
+impl<T> Remeshing<'_, T> {
+    /// A number of rounds after which more change little.
+    pub const ROUNDS: usize = 10;
+}
+
 /// A new mesh of a surface.
 #[derive(Clone, Debug)]
 pub struct Remeshed<T> {
