@@ -4,10 +4,10 @@
 //! N. Ray and X. Jiao, arXiv:1901.08036). Here the fits are those of [`Jet`], and their points are brought to one
 //! normal before they are averaged, without which the order is 6 at most.
 
-mod face_tree;
-
 use crate::curvature::{Curvature, Curvatures};
+use crate::edit::EditableMesh;
 use crate::element::Execution;
+use crate::face_tree::{FaceTree, MeshPoint};
 use crate::lane::Lane;
 use crate::laplacian::{Jet, JetPoint};
 use crate::mesh::TriangleMesh;
@@ -19,8 +19,6 @@ use alloc::vec;
 use alloc::vec::Vec;
 use core::array::from_fn;
 use core::iter::zip;
-use face_tree::FaceTree;
-pub use face_tree::MeshPoint;
 
 /// Most steps of a projection.
 const STEPS: usize = 30;
@@ -35,7 +33,8 @@ const DOUBTED: f64 = 4.0;
 /// Polynomials of degree d are fitted once, when the surface is made, which keeps a copy of the mesh. Positions have
 /// errors of order d + 1 in the edge length, H and K of order d − 1. The surface passes through the vertices, is
 /// continuous, and has kinks of order d at edges and none at vertices. Corners without a fit do not take part in a blend;
-/// without any, points are those of the flat triangle, and curvatures NaN.
+/// without any, points are those of the flat triangle, and curvatures NaN. At lines where a surface is folded, the fits of
+/// each side are those of a border.
 ///
 /// Source: Y. Li, X. Zhao, N. Ray and X. Jiao, arXiv:1901.08036 (2019), and X. Jiao and D. Wang, cited there.
 ///
@@ -67,6 +66,10 @@ pub struct SmoothSurface<T: Real> {
     mesh: TriangleMesh,
     positions: Vec<[T; 3]>,
     remainders: Option<Vec<[T; 3]>>,
+    lines: Vec<[u32; 2]>,
+    /// The mesh cut along the lines, if there are any, of which each fit is one.
+    cut: Option<TriangleMesh>,
+    degree: usize,
     workspace: Workspace<T, Jet<T>>,
     vertices: Vec<Curvature<T>>,
     /// The largest distance of the polynomial of a vertex from the vertices of its one-ring.
@@ -116,37 +119,66 @@ struct Corner<T> {
 }
 
 impl<T: Real> SmoothSurface<T> {
+    /// The jet whose polynomials are nearest to exact surfaces: of degree 6, and 8 from 2500 vertices of the largest
+    /// component. (Their fourth derivatives, of which [`Jet::for_mesh`] takes account, matter less here.)
+    pub fn jet_for(mesh: &TriangleMesh) -> Jet<T> {
+        let jet = Jet::for_mesh(mesh);
+        if jet.highest_degree() < 6 {
+            Jet::j6()
+        } else {
+            jet
+        }
+    }
+
     /// Fits the polynomials of a jet to a surface.
     pub fn new(execution: &impl Execution, surface: Surface<'_, T>, jet: &Jet<T>) -> Self {
-        let mesh = surface.mesh();
-        let mut workspace = jet.workspace(mesh);
-        workspace
-            .for_mesh_mut(mesh)
-            .keep_polynomials(jet.highest_degree());
-        let mut vertices = vec![Curvature::default(); mesh.vertex_count()];
-        jet.curvatures(execution, surface, &mut workspace, &mut vertices);
-        let memory = workspace.memory();
-        let mut misfits = vec![T::infinity(); mesh.vertex_count()];
-        execution.map(&mut misfits[..], |vertex, misfit| {
-            let Some(polynomial) = memory.polynomial(vertex) else {
-                return;
-            };
-            let seen = surface.seen_from(vertex as u32);
-            let ring = mesh.one_ring(vertex).iter().map(|&other| {
-                let offset = seen.difference(other);
-                norm(sub(polynomial.beside(offset).offset, offset))
-            });
-            *misfit = ring.fold(T::zero(), T::max);
-        });
+        Self::with_lines(execution, surface, jet, &[])
+    }
+
+    /// Fits the polynomials of a jet to a surface that is folded along these edges: each side is fitted alone.
+    ///
+    /// # Panics
+    /// If a line is not an edge of the mesh.
+    pub fn with_lines(
+        execution: &impl Execution,
+        surface: Surface<'_, T>,
+        jet: &Jet<T>,
+        lines: &[[u32; 2]],
+    ) -> Self {
+        let mut copies = None;
+        if !lines.is_empty() {
+            copies = Some(EditableMesh::with_lines(surface.mesh(), lines).cut());
+        }
+        let copied = |of: &[[T; 3]]| {
+            let copies = copies.as_ref()?.vertices.iter();
+            Some(Vec::from_iter(copies.map(|&vertex| of[vertex as usize])))
+        };
+        let positions = copied(surface.positions());
+        let remainders = surface.remainders().and_then(copied);
+        let fitted = match (&copies, &positions) {
+            (Some(copies), Some(positions)) => {
+                Surface::of_checked(&copies.mesh, positions, remainders.as_deref())
+            }
+            _ => surface,
+        };
+        let (workspace, vertices, misfits) = fits(execution, fitted, jet);
         Self {
-            mesh: mesh.clone(),
+            mesh: surface.mesh().clone(),
             positions: surface.positions().to_vec(),
             remainders: surface.remainders().map(<[_]>::to_vec),
+            lines: lines.to_vec(),
+            degree: jet.highest_degree(),
             workspace,
             vertices,
             misfits,
             tree: FaceTree::new(surface),
+            cut: copies.map(|copies| copies.mesh),
         }
+    }
+
+    /// The edges along which the surface is folded.
+    pub fn lines(&self) -> &[[u32; 2]] {
+        &self.lines
     }
 
     /// The mesh with its positions.
@@ -154,9 +186,19 @@ impl<T: Real> SmoothSurface<T> {
         Surface::of_checked(&self.mesh, &self.positions, self.remainders.as_deref())
     }
 
-    /// H, K and normals of the fits at the vertices.
+    /// H, K and normals of the fits at the vertices; at lines those of one of the sides.
     pub fn vertices(&self) -> &[Curvature<T>] {
-        &self.vertices
+        &self.vertices[..self.mesh.vertex_count()]
+    }
+
+    /// The highest degree of the polynomials.
+    pub fn degree(&self) -> usize {
+        self.degree
+    }
+
+    /// Estimates of the errors of H and K at the vertices: the disagreement of neighbouring fits.
+    pub fn curvature_errors(&self) -> &[[T; 2]] {
+        &self.workspace.memory().disagreements()[..self.mesh.vertex_count()]
     }
 
     /// The point over a place of the mesh.
@@ -169,9 +211,14 @@ impl<T: Real> SmoothSurface<T> {
     /// # Panics
     /// If there is no such triangle.
     pub fn at(&self, place: MeshPoint<T>) -> SmoothPoint<T> {
+        self.beside(place, [T::zero(); 3])
+    }
+
+    /// As [`Self::at`], over the point at a small offset from that of the flat triangle.
+    pub(crate) fn beside(&self, place: MeshPoint<T>, shift: Vec3<T>) -> SmoothPoint<T> {
         let origin = self.position(self.mesh.triangles()[place.triangle][0]);
-        let Some(corners) = self.corners(place) else {
-            return self.flat_point(place);
+        let Some(corners) = self.corners(place, shift) else {
+            return self.flat_point(place, shift);
         };
         let vector = |of: fn(&JetPoint<T>) -> Vec3<T>| {
             let terms = corners.iter().map(|at| scale(at.weight, of(&at.found)));
@@ -221,17 +268,18 @@ impl<T: Real> SmoothSurface<T> {
 
     /// The points of the polynomials of the corners beside a place, relative to the first corner, with weights of the sum
     /// 1, 0 without a fit; `None` if none has one.
-    fn corners(&self, place: MeshPoint<T>) -> Option<[Corner<T>; 3]> {
+    fn corners(&self, place: MeshPoint<T>, shift: Vec3<T>) -> Option<[Corner<T>; 3]> {
         let vertices = self.mesh.triangles()[place.triangle];
         let seen = self.surface().seen_from(vertices[0]);
         let places = vertices.map(|vertex| seen.difference(vertex));
         let terms = zip(place.barycentric, places).map(|(weight, place)| scale(weight, place));
-        let flat = terms.fold([T::zero(); 3], add);
+        let flat = terms.fold(shift, add);
+        let fits = self.cut.as_ref().unwrap_or(&self.mesh).triangles()[place.triangle];
         let over_size = self.longest_edge(place.triangle).reciprocal_or_zero();
         let mut total = T::zero();
         let mut first = None;
         let corners = from_fn(|k| {
-            let vertex = vertices[k] as usize;
+            let vertex = fits[k] as usize;
             let mut corner = Corner {
                 vertex,
                 weight: T::zero(),
@@ -264,10 +312,10 @@ impl<T: Real> SmoothSurface<T> {
     }
 
     /// A point without fits.
-    fn flat_point(&self, place: MeshPoint<T>) -> SmoothPoint<T> {
+    pub(crate) fn flat_point(&self, place: MeshPoint<T>, shift: Vec3<T>) -> SmoothPoint<T> {
         let [a, b, c] = self.mesh.triangles()[place.triangle].map(|k| self.position(k));
         SmoothPoint {
-            position: self.flat(place),
+            position: add(self.flat(place), shift),
             normal: normalise(cross(sub(b, a), sub(c, a))),
             mean: T::nan(),
             gaussian: T::nan(),
@@ -324,7 +372,7 @@ impl<T: Real> SmoothSurface<T> {
         terms.fold([T::zero(); 3], add)
     }
 
-    fn longest_edge(&self, triangle: usize) -> T {
+    pub(crate) fn longest_edge(&self, triangle: usize) -> T {
         let [a, b, c] = self.mesh.triangles()[triangle].map(|k| self.position(k));
         norm(sub(b, a)).max(norm(sub(c, a))).max(norm(sub(c, b)))
     }
@@ -332,4 +380,37 @@ impl<T: Real> SmoothSurface<T> {
     fn position(&self, vertex: u32) -> Vec3<T> {
         self.positions[vertex as usize]
     }
+}
+
+/// The polynomials of all vertices, their curvatures, and the largest distance of each from the vertices around its own.
+#[expect(
+    clippy::type_complexity,
+    reason = "three columns of one table, taken apart at once"
+)]
+fn fits<T: Real>(
+    execution: &impl Execution,
+    surface: Surface<'_, T>,
+    jet: &Jet<T>,
+) -> (Workspace<T, Jet<T>>, Vec<Curvature<T>>, Vec<T>) {
+    let mesh = surface.mesh();
+    let mut workspace = jet.workspace(mesh);
+    workspace
+        .for_mesh_mut(mesh)
+        .keep_polynomials(jet.highest_degree());
+    let mut vertices = vec![Curvature::default(); mesh.vertex_count()];
+    jet.curvatures(execution, surface, &mut workspace, &mut vertices);
+    let memory = workspace.memory();
+    let mut misfits = vec![T::infinity(); mesh.vertex_count()];
+    execution.map(&mut misfits[..], |vertex, misfit| {
+        let Some(polynomial) = memory.polynomial(vertex) else {
+            return;
+        };
+        let seen = surface.seen_from(vertex as u32);
+        let ring = mesh.one_ring(vertex).iter().map(|&other| {
+            let offset = seen.difference(other);
+            norm(sub(polynomial.beside(offset).offset, offset))
+        });
+        *misfit = ring.fold(T::zero(), T::max);
+    });
+    (workspace, vertices, misfits)
 }

@@ -6,7 +6,8 @@ use crate::points::Points;
 use crate::real::Real;
 use crate::reduction;
 use crate::triangle::Triangle;
-use crate::vec3::{self, Vec3};
+use crate::vec3::{self, Vec3, dot};
+use alloc::vec::Vec;
 
 /// A [`TriangleMesh`] with a position for each of its vertices: a view that is copied freely.
 ///
@@ -313,6 +314,20 @@ impl<'a, T: Real> Surface<'a, T> {
         };
         let offset: Vec3<T> = [moment(0), moment(1), moment(2)];
         vec3::add(self.positions[origin as usize], vec3::scale(over, offset))
+    }
+
+    /// Edges at which the normals of the two triangles differ by more than this angle, in radians.
+    pub fn creases(&self, angle: T) -> Vec<[u32; 2]> {
+        let edges = self.mesh.edges().iter().enumerate();
+        let is_crease = |edge: usize| {
+            let (left, right) = self.mesh.edge_triangles(edge);
+            let right = right.map(|right| self.triangle_normal(right as usize));
+            right.is_some_and(|right| dot(self.triangle_normal(left as usize), right) < angle.cos())
+        };
+        edges
+            .filter(|&(edge, _)| is_crease(edge))
+            .map(|(_, &ends)| ends)
+            .collect()
     }
 
     /// Reports every triangle without area.

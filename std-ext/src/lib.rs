@@ -28,7 +28,7 @@
 
 pub use helfrich_draw::picture;
 pub use helfrich_evaluate::{
-    checked, contact, effect, execute, held, method, noise, ordered, scalar,
+    checked, contact, effect, execute, held, method, noise, ordered, remesh, scalar,
 };
 pub use helfrich_mesh::{enclosure, generate, info, io, orientation, polygon, section, subdivide};
 pub use helfrich_run::{checkpoint, lock, plots, run, sweep};

@@ -32,7 +32,7 @@ impl SmoothSurface {
                 "j4" => Jet::j4(),
                 "j6" => Jet::j6(),
                 "j8" => Jet::j8(),
-                _ => Jet::for_mesh(&mesh),
+                _ => Smooth::jet_for(&mesh),
             };
             Ok::<_, Fault>(Smooth::new(&Parallel::new(), surface, &jet))
         })?;

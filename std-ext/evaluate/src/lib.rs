@@ -4,6 +4,7 @@
 //! * [`method`] and [`scalar`]: the bending methods and number types by name.
 //! * [`noise`]: noise of positions, and its smoothing.
 //! * [`contact`]: repulsion between surfaces.
+//! * [`remesh`]: new meshes of smooth surfaces.
 //! * [`ordered`]: large meshes in a cache-friendly order.
 //! * [`checked`]: surfaces whose positions have been checked.
 //! * [`effect`]: the effects that act on one surface, behind one dynamic call.
@@ -22,4 +23,5 @@ pub mod held;
 pub mod method;
 pub mod noise;
 pub mod ordered;
+pub mod remesh;
 pub mod scalar;

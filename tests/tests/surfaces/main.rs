@@ -3,12 +3,14 @@
 mod adaptive;
 mod bars;
 mod detection_limit;
+mod edit;
 mod expected_errors;
 mod families;
 mod isosurfaces;
 mod many_shapes;
 mod mesh;
 mod noise;
+mod remesh;
 mod reordering;
 mod rows;
 mod shapes;

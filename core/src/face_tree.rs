@@ -8,6 +8,7 @@ use crate::surface::Surface;
 use crate::vec3::{Vec3, add, dot, scale, sub};
 use alloc::vec;
 use alloc::vec::Vec;
+use core::array::from_fn;
 use core::iter::zip;
 
 /// Most triangles of a leaf.
@@ -44,18 +45,7 @@ pub(crate) struct FaceTree<T> {
 impl<T: Real> FaceTree<T> {
     pub(crate) fn new(surface: Surface<'_, T>) -> Self {
         let triangles = surface.mesh().triangles();
-        let boxes = triangles.iter().map(|corners| {
-            let [a, b, c] = corners.map(|corner| surface.positions()[corner as usize]);
-            let pick = |least: bool, axis: usize| {
-                let [x, y, z] = [a, b, c].map(|corner| corner[axis]);
-                if least {
-                    x.min(y).min(z)
-                } else {
-                    x.max(y).max(z)
-                }
-            };
-            [true, false].map(|least| [0, 1, 2].map(|axis| pick(least, axis)))
-        });
+        let boxes = (0..triangles.len()).map(|triangle| bounds(surface, triangle));
         let boxes = Vec::from_iter(boxes);
         let mut order = Vec::from_iter(0..triangles.len() as u32);
         let mut nodes = Vec::new();
@@ -117,12 +107,44 @@ impl<T: Real> FaceTree<T> {
     }
 }
 
+impl<T: Real> FaceTree<T> {
+    /// Calls a function with every triangle whose box, or that of its leaf, meets a box.
+    pub(crate) fn meeting(&self, [low, high]: [Vec3<T>; 2], visit: &mut dyn FnMut(u32)) {
+        let mut pending = vec![0_u32];
+        while let Some(number) = pending.pop() {
+            let Some(node) = self.nodes.get(number as usize) else {
+                continue;
+            };
+            let meets = |axis: usize| node.low[axis] <= high[axis] && low[axis] <= node.high[axis];
+            if !(meets(0) && meets(1) && meets(2)) {
+                continue;
+            }
+            if node.second == 0 {
+                let triangles = &self.order[node.start as usize..node.end as usize];
+                triangles.iter().for_each(|&triangle| visit(triangle));
+            } else {
+                pending.extend([node.second, number + 1]);
+            }
+        }
+    }
+}
+
 impl<T: Real> BoxNode<T> {
     fn squared_distance(&self, point: Vec3<T>) -> T {
         let sides = zip(point, zip(self.low, self.high));
         let outside = sides.map(|(at, (low, high))| (low - at).max(at - high).max(T::zero()));
         outside.map(|outside| outside * outside).sum()
     }
+}
+
+/// The least and the largest coordinates of a triangle.
+pub(crate) fn bounds<T: Real>(surface: Surface<'_, T>, triangle: usize) -> [Vec3<T>; 2] {
+    let corners = surface.mesh().triangles()[triangle];
+    let corners = corners.map(|corner| surface.positions()[corner as usize]);
+    let pick = |choose: fn(T, T) -> T| {
+        from_fn(|axis| choose(choose(corners[0][axis], corners[1][axis]), corners[2][axis]))
+    };
+    [pick(T::min), pick(T::max)]
 }
 
 /// Appends the tree of the triangles in `order`, of which the first has this place.
@@ -177,7 +199,11 @@ fn divide<T: Real>(
 }
 
 /// The barycentric coordinates of the point of a triangle that is nearest to `point`, and the squared distance.
-fn nearest_of<T: Real>(surface: Surface<'_, T>, triangle: usize, point: Vec3<T>) -> ([T; 3], T) {
+pub(crate) fn nearest_of<T: Real>(
+    surface: Surface<'_, T>,
+    triangle: usize,
+    point: Vec3<T>,
+) -> ([T; 3], T) {
     let [a, b, c] =
         surface.mesh().triangles()[triangle].map(|corner| surface.positions()[corner as usize]);
     let (ab, ac, to) = (sub(b, a), sub(c, a), sub(point, a));

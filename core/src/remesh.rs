@@ -1,0 +1,131 @@
+//! Even meshes of a smooth surface.
+//!
+//! Splits, collapses, flips and movements of vertices towards wanted edge lengths, after M. Botsch and L. Kobbelt, A
+//! remeshing approach to multiresolution modeling, Symp. Geometry Processing 2004, 189. Vertices move on the flat
+//! triangles of the input, and in the end each is put on the smooth surface over its place (D. R. Clark, N. Ray and X. Jiao,
+//! Proc. 21st Int. Meshing Roundtable (2012) 99): fits are those of the input, and errors do not accumulate.
+
+mod ground;
+mod passes;
+
+use crate::element::Execution;
+use crate::face_tree::MeshPoint;
+use crate::mesh::TriangleMesh;
+use crate::real::Real;
+use crate::self_crossing::crossing_triangles;
+use crate::smooth_surface::{SmoothPoint, SmoothSurface};
+use crate::surface::Surface;
+use alloc::vec;
+use alloc::vec::Vec;
+use ground::Ground;
+use passes::State;
+
+/// Number of rounds at the end that make triangles Delaunay ones.
+const LAST: usize = 4;
+
+/// Most attempts to put vertices on flat triangles where triangles cross.
+const RETREATS: usize = 8;
+
+/// The mesh that [`SmoothSurface::remesh`] makes.
+#[derive(Clone, Copy, Debug)]
+pub struct Remeshing<'a, T> {
+    /// The edge length that is wanted at each vertex of the input, above 0.
+    pub sizes: &'a [T],
+    /// The number of vertices; lengths are then relative to each other.
+    pub vertices: Option<usize>,
+    /// Number of rounds of splits, collapses, flips and movements.
+    pub rounds: usize,
+}
+
+impl<T> Remeshing<'_, T> {
+    /// A number of rounds after which more change little.
+    pub const ROUNDS: usize = 10;
+}
+
+/// A new mesh of a surface.
+#[derive(Clone, Debug)]
+pub struct Remeshed<T> {
+    /// The mesh.
+    pub mesh: TriangleMesh,
+    /// The place of each vertex on the input.
+    pub places: Vec<MeshPoint<T>>,
+    /// The point of the smooth surface there: position, normal, curvatures, error bars. Where fits disagree by a part of
+    /// the edges of the input, and where triangles would cross otherwise, it is that of the flat triangle.
+    pub points: Vec<SmoothPoint<T>>,
+    /// Pairs of triangles that cross each other, because the input has such pairs, or because it is thinner than the
+    /// wanted edges.
+    pub crossings: Vec<[u32; 2]>,
+}
+
+impl<T: Real> SmoothSurface<T> {
+    /// A new mesh of this surface with edges of wanted lengths; `None` if `go_on`, which gets the part that is done,
+    /// returns `false`.
+    ///
+    /// # Panics
+    /// If the number of sizes is not that of the vertices.
+    pub fn remesh(
+        &self,
+        execution: &impl Execution,
+        settings: &Remeshing<'_, T>,
+        go_on: &mut dyn FnMut(f64) -> bool,
+    ) -> Option<Remeshed<T>> {
+        let ground = Ground::new(self.surface(), self.lines(), settings.sizes);
+        let mut state = State::new(ground);
+        let rounds = settings.rounds + LAST;
+        for round in 0..rounds {
+            if !go_on(round as f64 / rounds as f64) {
+                return None;
+            }
+            if round < settings.rounds {
+                if let Some(wanted) = settings.vertices {
+                    state.scale_to(wanted);
+                }
+                state.split_long();
+                state.collapse_short();
+                state.flip_to_valence();
+            } else {
+                if let Some(wanted) = settings.vertices {
+                    state.bring_to(wanted);
+                }
+                state.flip_to_delaunay();
+            }
+            state.smooth();
+        }
+        // The cosine of 40°.
+        for _ in 0..LAST {
+            state.widen_angles(T::constant(0.766));
+            state.flip_to_delaunay();
+        }
+        let edited = state.edited.clone().finish();
+        let (mesh, vertices) = (edited.mesh, edited.vertices);
+        let places = vertices.iter().map(|&vertex| state.places[vertex as usize]);
+        let mut flat = vec![false; vertices.len()];
+        let mut points = vec![SmoothPoint::default(); vertices.len()];
+        let mut crossings = Vec::new();
+        for _ in 0..RETREATS {
+            execution.map(&mut points[..], |index, point| {
+                *point = state.point(self, vertices[index], flat[index]);
+            });
+            let positions = Vec::from_iter(points.iter().map(|point| point.position));
+            crossings = crossing_triangles(Surface::of_checked(&mesh, &positions, None));
+            let before = flat.iter().filter(|&&flat| flat).count();
+            for &triangle in crossings.as_flattened() {
+                for corner in mesh.triangles()[triangle as usize] {
+                    flat[corner as usize] = true;
+                    for &other in mesh.one_ring(corner as usize) {
+                        flat[other as usize] = true;
+                    }
+                }
+            }
+            if flat.iter().filter(|&&flat| flat).count() == before {
+                break;
+            }
+        }
+        Some(Remeshed {
+            places: places.collect(),
+            mesh,
+            points,
+            crossings,
+        })
+    }
+}

@@ -1,0 +1,546 @@
+//! Passes over a new mesh: splits, collapses, flips and movements of vertices.
+
+use super::ground::{Ground, Spot};
+use crate::edit::{EditableMesh, Freedom};
+use crate::face_tree::MeshPoint;
+use crate::lane::Lane;
+use crate::real::Real;
+use crate::smooth_surface::{SmoothPoint, SmoothSurface};
+use crate::vec3::{Vec3, add, cross, dot, norm, normalise, scale, sub, tangent_frame};
+use alloc::vec::Vec;
+
+/// Edges longer than this part of the wanted length are split (M. Botsch and L. Kobbelt, Symp. Geometry Processing 2004).
+const LONG: f64 = 4.0 / 3.0;
+
+/// Edges shorter than this part are collapsed, source as above.
+const SHORT: f64 = 4.0 / 5.0;
+
+/// The cosine of the smallest angle of good triangles: 15°.
+const SLENDER: f64 = 0.966;
+
+/// The least cosine between the normals of a good triangle and of the input at its corners.
+const OUTWARD: f64 = 0.5;
+
+/// The error bar of a position, in edges of the input, from which on the flat triangle is taken instead.
+const DOUBTFUL: f64 = 0.25;
+
+/// Eight directions.
+const COMPASS: [(f64, f64); 8] = {
+    let half = core::f64::consts::FRAC_1_SQRT_2;
+    [
+        (1.0, 0.0),
+        (half, half),
+        (0.0, 1.0),
+        (-half, half),
+        (-1.0, 0.0),
+        (-half, -half),
+        (0.0, -1.0),
+        (half, -half),
+    ]
+};
+
+/// The worst of some triangles.
+#[derive(Clone, Copy)]
+struct Shape<T> {
+    /// The least cosine between the normal of one and those of the input at its corners.
+    outward: T,
+    /// The cosine of the smallest angle.
+    cosine: T,
+}
+
+impl<T: Real> Shape<T> {
+    /// Whether these are good triangles, or not worse than others.
+    fn is_as_good_as(self, other: Self) -> bool {
+        self.outward >= other.outward.min(T::constant(OUTWARD))
+            && self.cosine <= other.cosine.max(T::constant(SLENDER))
+    }
+}
+
+/// A new mesh in work.
+pub(super) struct State<'a, T> {
+    pub(super) ground: Ground<'a, T>,
+    pub(super) edited: EditableMesh,
+    /// Where the vertices are on the input.
+    pub(super) places: Vec<MeshPoint<T>>,
+    /// Where they are on its lines.
+    spots: Vec<Spot<T>>,
+    positions: Vec<Vec3<T>>,
+    normals: Vec<Vec3<T>>,
+    sizes: Vec<T>,
+    /// The factor of all sizes.
+    pub(super) factor: T,
+}
+
+impl<'a, T: Real> State<'a, T> {
+    pub(super) fn new(ground: Ground<'a, T>) -> Self {
+        let mesh = ground.surface.mesh();
+        let used = |vertex: u32| mesh.valence(vertex as usize) > 0;
+        let vertices = 0..mesh.vertex_count() as u32;
+        let nowhere = MeshPoint {
+            triangle: 0,
+            barycentric: [T::zero(); 3],
+        };
+        let place = |vertex| {
+            if used(vertex) {
+                ground.vertex(vertex)
+            } else {
+                nowhere
+            }
+        };
+        Self {
+            edited: ground.corners.clone(),
+            places: vertices.clone().map(place).collect(),
+            spots: vertices.map(Spot::at_vertex).collect(),
+            positions: ground.surface.positions().to_vec(),
+            normals: ground.normals().to_vec(),
+            sizes: ground.sizes.to_vec(),
+            factor: T::one(),
+            ground,
+        }
+    }
+
+    /// The point of the smooth surface at a vertex; on a line the mean of those of its sides over the smooth line. Or the
+    /// point of the flat triangle.
+    pub(super) fn point(
+        &self,
+        smooth: &SmoothSurface<T>,
+        vertex: u32,
+        flat: bool,
+    ) -> SmoothPoint<T> {
+        let spot = self.spots[vertex as usize];
+        let place = self.places[vertex as usize];
+        if flat {
+            return smooth.flat_point(place, [T::zero(); 3]);
+        }
+        if self.edited.freedom(vertex) == Freedom::Free || spot.from == spot.to {
+            return trusted(smooth, place, [T::zero(); 3]);
+        }
+        let bend = self.ground.bend(spot);
+        let sides = self.ground.sides(spot).into_iter().flatten();
+        let sides = Vec::from_iter(sides.map(|side| trusted(smooth, side, bend)));
+        let part = T::one() / T::constant(sides.len() as f64);
+        let positions = sides.iter().map(|side| scale(part, side.position));
+        SmoothPoint {
+            position: positions.fold([T::zero(); 3], add),
+            ..sides[0]
+        }
+    }
+
+    /// Number of vertices in triangles.
+    pub(super) fn vertex_count(&self) -> usize {
+        let vertices = 0..self.edited.vertex_count() as u32;
+        vertices
+            .filter(|&vertex| self.edited.is_used(vertex))
+            .count()
+    }
+
+    fn at(&self, vertex: u32) -> Vec3<T> {
+        self.positions[vertex as usize]
+    }
+
+    /// The length of an edge over the wanted one.
+    fn relative_length(&self, half_edge: u32) -> T {
+        let [tail, head] = [self.edited.tail(half_edge), self.edited.head(half_edge)];
+        self.relative_distance(tail, head)
+    }
+
+    fn relative_distance(&self, from: u32, to: u32) -> T {
+        let wanted = (self.sizes[from as usize] + self.sizes[to as usize]) / T::constant(2.0);
+        let length = norm(sub(self.at(to), self.at(from)));
+        length * (self.factor * wanted).reciprocal_or_zero()
+    }
+
+    /// Twice the area vector of a triangle.
+    fn area_vector(&self, corners: [u32; 3]) -> Vec3<T> {
+        let [a, b, c] = corners.map(|corner| self.at(corner));
+        cross(sub(b, a), sub(c, a))
+    }
+
+    fn set_place(&mut self, vertex: u32, place: MeshPoint<T>) {
+        let vertex = vertex as usize;
+        self.places[vertex] = place;
+        self.positions[vertex] = self.ground.position(place);
+        self.normals[vertex] = self.ground.normal(place);
+        self.sizes[vertex] = self.ground.size(place);
+    }
+
+    /// Edges whose relative length is beyond a limit, the farthest first.
+    fn beyond(&self, limit: T, longer: bool) -> Vec<(T, u32)> {
+        let edges = self.edited.edges();
+        let edges = edges.map(|edge| (self.relative_length(edge), edge));
+        let sign = if longer { -T::one() } else { T::one() };
+        let edges = edges.filter(|(length, _)| sign * *length < sign * limit);
+        let mut edges = Vec::from_iter(edges.map(|(length, edge)| (sign * length, edge)));
+        edges.sort_by(|(a, first), (b, second)| {
+            let order = a.partial_cmp(b).unwrap_or(core::cmp::Ordering::Equal);
+            order.then(first.cmp(second))
+        });
+        edges
+    }
+
+    /// Scales the wanted lengths so that triangles of their size would have this number of vertices.
+    pub(super) fn scale_to(&mut self, vertices: usize) {
+        // After the first time, by what came of the last factor.
+        let now = if self.factor == T::one() {
+            let area = |half_edge: u32| {
+                let corners = self.edited.corners(half_edge);
+                let size: T = corners
+                    .map(|corner| self.sizes[corner as usize])
+                    .into_iter()
+                    .sum();
+                norm(self.area_vector(corners))
+                    * T::constant(9.0 / 2.0)
+                    * (size * size).reciprocal_or_zero()
+            };
+            // An equilateral triangle has the area √3/4, and half a vertex.
+            let triangles: T = self.edited.triangles().map(area).sum();
+            T::constant(2.0 / 3.0_f64.sqrt()) * triangles
+        } else {
+            T::constant(self.vertex_count() as f64)
+        };
+        self.factor *= (now / T::constant(vertices as f64)).sqrt();
+    }
+
+    /// Splits the longest or collapses the shortest edges until there are this many vertices, or none can be collapsed.
+    pub(super) fn bring_to(&mut self, vertices: usize) {
+        let now = self.vertex_count();
+        if now < vertices {
+            self.split(T::zero(), vertices - now);
+        } else {
+            self.collapse(T::infinity(), T::infinity(), now - vertices);
+        }
+    }
+
+    /// Splits edges that are too long, each once, and returns their number.
+    fn split(&mut self, limit: T, most: usize) -> usize {
+        let edges = self.beyond(limit, true);
+        let ends = edges
+            .iter()
+            .map(|&(_, edge)| [self.edited.tail(edge), self.edited.head(edge)]);
+        let ends = Vec::from_iter(ends.take(most));
+        for &[tail, head] in &ends {
+            // Splits before this one remove no other edge, but change numbers.
+            let edge = self.edited.half_edge(tail, head);
+            let edge = edge.or_else(|| self.edited.half_edge(head, tail));
+            self.split_edge(edge.expect("an edge"));
+        }
+        ends.len()
+    }
+
+    pub(super) fn split_long(&mut self) -> usize {
+        self.split(T::constant(LONG), usize::MAX)
+    }
+
+    pub(super) fn collapse_short(&mut self) -> usize {
+        self.collapse(T::constant(SHORT), T::constant(LONG), usize::MAX)
+    }
+
+    fn split_edge(&mut self, edge: u32) {
+        let [tail, head] = [self.edited.tail(edge), self.edited.head(edge)];
+        let half = T::constant(0.5);
+        let way = sub(self.at(head), self.at(tail));
+        let (place, spot) = if self.edited.is_kept(edge) {
+            let spot = self
+                .ground
+                .along(self.spots[tail as usize], way, half * norm(way));
+            (self.ground.place(spot), spot)
+        } else {
+            let middle = add(self.at(tail), scale(half, way));
+            let is_free = |vertex: &u32| self.edited.freedom(*vertex) == Freedom::Free;
+            let place = match [tail, head].into_iter().find(is_free) {
+                Some(free) => self.ground.nearest(self.places[free as usize], middle),
+                None => self
+                    .ground
+                    .nearest_beside(self.spots[tail as usize], middle),
+            };
+            (place, Spot::at_vertex(0))
+        };
+        let vertex = self.edited.split(edge);
+        self.places.push(place);
+        self.spots.push(spot);
+        self.positions.push([T::zero(); 3]);
+        self.normals.push([T::zero(); 3]);
+        self.sizes.push(T::zero());
+        self.set_place(vertex, place);
+    }
+
+    /// Collapses edges that are shorter than a limit and make none longer than another, and returns their number.
+    fn collapse(&mut self, limit: T, long: T, most: usize) -> usize {
+        let mut count = 0;
+        for (_, edge) in self.beyond(limit, false) {
+            if count == most {
+                break;
+            }
+            // Collapses before this one may have removed or changed the edge.
+            if !self.edited.is_edge(edge) || self.relative_length(edge) >= limit {
+                continue;
+            }
+            let sides = [Some(edge), self.edited.opposite(edge)];
+            for half_edge in sides.into_iter().flatten() {
+                if self.edited.may_collapse(half_edge).is_ok() && self.keeps_shape(half_edge, long)
+                {
+                    let done = self.edited.collapse(half_edge);
+                    count += usize::from(done.is_ok());
+                    break;
+                }
+            }
+        }
+        count
+    }
+
+    /// Whether a collapse makes no edge too long, and no bad triangle.
+    fn keeps_shape(&self, half_edge: u32, long: T) -> bool {
+        let [tail, head] = [self.edited.tail(half_edge), self.edited.head(half_edge)];
+        let mut neighbours = self.edited.neighbours(tail);
+        let is_short = |other: u32| other == head || self.relative_distance(other, head) < long;
+        if !neighbours.all(is_short) {
+            return false;
+        }
+        let changed = self
+            .edited
+            .around(tail)
+            .map(|side| self.edited.corners(side));
+        let changed = Vec::from_iter(changed.filter(|corners| !corners.contains(&head)));
+        let moved = |corner| if corner == tail { head } else { corner };
+        let after = Vec::from_iter(changed.iter().map(|corners| corners.map(moved)));
+        self.shape(&after).is_as_good_as(self.shape(&changed))
+    }
+
+    /// Flips edges where that brings numbers of neighbours nearer to those of a regular mesh, and returns their number.
+    pub(super) fn flip_to_valence(&mut self) -> usize {
+        self.flip_where(|state, [a, b, c, d]| {
+            let valence = |vertex: u32, change: isize| {
+                let ideal = if state.edited.is_border(vertex) { 4 } else { 6 };
+                let off = state.edited.valence(vertex) as isize + change - ideal;
+                off * off
+            };
+            let before = valence(a, 0) + valence(b, 0) + valence(c, 0) + valence(d, 0);
+            let after = valence(a, -1) + valence(b, -1) + valence(c, 1) + valence(d, 1);
+            after < before
+        })
+    }
+
+    /// Flips edges whose opposite angles have a sum above π, and returns their number.
+    pub(super) fn flip_to_delaunay(&mut self) -> usize {
+        self.flip_where(|state, [a, b, c, d]| {
+            // Cosine and sine of the angle at an apex, times the lengths of its sides; right for flat triangles, too.
+            let angle = |apex: u32| {
+                let [from, to] = [a, b].map(|end| sub(state.at(end), state.at(apex)));
+                [dot(from, to), norm(cross(from, to)), norm(from) * norm(to)]
+            };
+            let [[cos_c, sin_c, size_c], [cos_d, sin_d, size_d]] = [angle(c), angle(d)];
+            let sine_of_sum = sin_c * cos_d + cos_c * sin_d;
+            sine_of_sum < -T::epsilon().sqrt() * size_c * size_d
+        })
+    }
+
+    /// Flips edges (a, b) with apexes c and d where that is asked for, legal, and leaves good triangles.
+    fn flip_where(&mut self, is_better: impl Fn(&Self, [u32; 4]) -> bool) -> usize {
+        let mut count = 0;
+        let edges = Vec::from_iter(self.edited.edges());
+        for edge in edges {
+            let Some(other) = self.edited.opposite(edge) else {
+                continue;
+            };
+            if self.edited.is_kept(edge) {
+                continue;
+            }
+            let [a, b] = [self.edited.tail(edge), self.edited.head(edge)];
+            let [c, d] = [self.edited.apex(edge), self.edited.apex(other)];
+            let old = self.shape(&[[a, b, c], [b, a, d]]);
+            let is_fit = self.shape(&[[d, c, a], [c, d, b]]).is_as_good_as(old);
+            if is_fit && is_better(self, [a, b, c, d]) && self.edited.flip(edge).is_ok() {
+                count += 1;
+            }
+        }
+        count
+    }
+
+    /// Moves every vertex towards the mean of its triangles' centroids, weighted by their areas over the square of the
+    /// wanted length, or along its line.
+    pub(super) fn smooth(&mut self) {
+        for vertex in 0..self.edited.vertex_count() as u32 {
+            if !self.edited.is_used(vertex) {
+                continue;
+            }
+            match self.edited.freedom(vertex) {
+                Freedom::Free => self.move_free(vertex),
+                Freedom::OnLine(ends) => self.move_along(vertex, ends),
+                Freedom::Fixed => {}
+            }
+        }
+    }
+
+    fn move_free(&mut self, vertex: u32) {
+        let (mut sum, mut total) = ([T::zero(); 3], T::zero());
+        let third = T::constant(1.0 / 3.0);
+        for half_edge in self.edited.around(vertex) {
+            let corners = self.edited.corners(half_edge);
+            let size: T = corners
+                .map(|corner| self.sizes[corner as usize])
+                .into_iter()
+                .sum();
+            let weight = norm(self.area_vector(corners)) * (size * size).reciprocal_or_zero();
+            let middle = corners.map(|corner| self.at(corner));
+            let middle = scale(third, middle.into_iter().fold([T::zero(); 3], add));
+            sum = add(sum, scale(weight, sub(middle, self.at(vertex))));
+            total += weight;
+        }
+        let step = scale(total.reciprocal_or_zero(), sum);
+        let before = self.places[vertex as usize];
+        // Along the surface: on a thin one, the mean is nearer to the other side.
+        let normal = self.normals[vertex as usize];
+        let step = sub(step, scale(dot(step, normal), normal));
+        let target = add(self.at(vertex), step);
+        let place = self.ground.nearest(before, target);
+        self.try_place(vertex, place);
+    }
+
+    /// Moves vertices whose triangles have an angle with a larger cosine than this one, in steps that make the smallest
+    /// angle larger.
+    pub(super) fn widen_angles(&mut self, cosine: T) {
+        for vertex in 0..self.edited.vertex_count() as u32 {
+            if !self.edited.is_used(vertex) || self.largest_cosine(vertex) <= cosine {
+                continue;
+            }
+            match self.edited.freedom(vertex) {
+                Freedom::Free => self.widen_angles_at(vertex),
+                Freedom::OnLine(ends) => self.widen_angles_along(vertex, ends),
+                Freedom::Fixed => {}
+            }
+        }
+    }
+
+    fn widen_angles_along(&mut self, vertex: u32, ends: [u32; 2]) {
+        let fifth = T::constant(0.2);
+        for end in ends {
+            let (start, spot) = (self.places[vertex as usize], self.spots[vertex as usize]);
+            let before = self.largest_cosine(vertex);
+            let way = sub(self.at(end), self.at(vertex));
+            let moved = self.ground.along(spot, way, fifth * norm(way));
+            if self.try_place(vertex, self.ground.place(moved)) {
+                if self.largest_cosine(vertex) < before {
+                    self.spots[vertex as usize] = moved;
+                } else {
+                    self.set_place(vertex, start);
+                }
+            }
+        }
+    }
+
+    fn widen_angles_at(&mut self, vertex: u32) {
+        let ring = Vec::from_iter(self.edited.around(vertex));
+        let areas = ring
+            .iter()
+            .map(|&side| self.area_vector(self.edited.corners(side)));
+        let axes = tangent_frame(normalise(areas.fold([T::zero(); 3], add)));
+        let mut step = T::constant(0.2) * self.factor * self.sizes[vertex as usize];
+        for _ in 0..4 {
+            let (start, here) = (self.places[vertex as usize], self.at(vertex));
+            let (mut best, mut least) = (start, self.largest_cosine(vertex));
+            for (x, y) in COMPASS {
+                let way = add(
+                    scale(T::constant(x), axes[0]),
+                    scale(T::constant(y), axes[1]),
+                );
+                let place = self.ground.nearest(start, add(here, scale(step, way)));
+                if self.try_place(vertex, place) {
+                    let cosine = self.largest_cosine(vertex);
+                    if cosine < least {
+                        least = cosine;
+                        best = place;
+                    }
+                    self.set_place(vertex, start);
+                }
+            }
+            self.set_place(vertex, best);
+            if best == start {
+                step /= T::constant(2.0);
+            }
+        }
+    }
+
+    /// The cosine of the smallest angle of the triangles at a vertex.
+    fn largest_cosine(&self, vertex: u32) -> T {
+        let around = self.edited.around(vertex);
+        let cosines = around.map(|side| self.cosine(self.edited.corners(side)));
+        cosines.fold(-T::one(), T::max)
+    }
+
+    /// The cosine of the smallest angle of a triangle.
+    fn cosine(&self, corners: [u32; 3]) -> T {
+        let [a, b, c] = corners.map(|corner| self.at(corner));
+        let edges = [sub(b, a), sub(c, b), sub(a, c)];
+        let lengths = edges.map(norm);
+        let at = |k: usize| {
+            let (one, other) = (k, (k + 2) % 3);
+            let over = (lengths[one] * lengths[other]).reciprocal_or_zero();
+            -dot(edges[one], edges[other]) * over
+        };
+        at(0).max(at(1)).max(at(2))
+    }
+
+    fn move_along(&mut self, vertex: u32, ends: [u32; 2]) {
+        let ways = ends.map(|end| sub(self.at(end), self.at(vertex)));
+        let lengths = ends.map(|end| self.relative_distance(vertex, end));
+        let longer = usize::from(lengths[1] > lengths[0]);
+        let [shorter_length, longer_length] = [lengths[1 - longer], lengths[longer]];
+        let part = (longer_length - shorter_length)
+            / (T::constant(4.0) * longer_length).max(T::min_positive_value());
+        let distance = part * norm(ways[longer]);
+        let spot = self
+            .ground
+            .along(self.spots[vertex as usize], ways[longer], distance);
+        if self.try_place(vertex, self.ground.place(spot)) {
+            self.spots[vertex as usize] = spot;
+        }
+    }
+
+    /// The least cosine between the normal of a triangle and those of the input at its corners.
+    fn outward(&self, corners: [u32; 3]) -> T {
+        let normal = normalise(self.area_vector(corners));
+        let cosines = corners.map(|corner| dot(normal, self.normals[corner as usize]));
+        cosines[0].min(cosines[1]).min(cosines[2])
+    }
+
+    /// The worst of these triangles.
+    fn shape(&self, triangles: &[[u32; 3]]) -> Shape<T> {
+        let mut worst = Shape {
+            outward: T::one(),
+            cosine: -T::one(),
+        };
+        for &corners in triangles {
+            worst.outward = worst.outward.min(self.outward(corners));
+            worst.cosine = worst.cosine.max(self.cosine(corners));
+        }
+        worst
+    }
+
+    /// Moves a vertex unless that makes a bad triangle.
+    fn try_place(&mut self, vertex: u32, place: MeshPoint<T>) -> bool {
+        let before = self.places[vertex as usize];
+        let ring = self.edited.around(vertex);
+        let ring = Vec::from_iter(ring.map(|half_edge| self.edited.corners(half_edge)));
+        let old = self.shape(&ring);
+        self.set_place(vertex, place);
+        let fits = self.shape(&ring).is_as_good_as(old);
+        if !fits {
+            self.set_place(vertex, before);
+        }
+        fits
+    }
+}
+
+/// The point of the smooth surface beside a place, or of the flat triangle, if nothing is known about the smooth one.
+fn trusted<T: Real>(
+    smooth: &SmoothSurface<T>,
+    place: MeshPoint<T>,
+    shift: Vec3<T>,
+) -> SmoothPoint<T> {
+    let point = smooth.beside(place, shift);
+    if point.position_error < T::constant(DOUBTFUL) * smooth.longest_edge(place.triangle) {
+        point
+    } else {
+        smooth.flat_point(place, shift)
+    }
+}
