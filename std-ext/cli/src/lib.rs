@@ -4,8 +4,10 @@
 //! ([`program_with`]), and so that other programs of the repository can share its output to terminals and
 //! files ([`terminal`]) and extend the page of a study ([`study`]).
 
+mod columns;
 mod curvature;
 mod recommend;
+mod remesh;
 pub mod study;
 pub mod terminal;
 
@@ -16,7 +18,8 @@ use helfrich::{Bandwidth, DualArea, Finding, Surface};
 use helfrich_std::execute::{available_threads, with_threads};
 use helfrich_std::info::MeshInfo;
 use helfrich_std::io::{
-    Format, MeshFile, WriteError, check_replaceable, is_same_file, read, read_welded_within, write,
+    Column, Format, MeshFile, WriteError, check_replaceable, is_same_file, read,
+    read_welded_within, read_with_columns, write,
 };
 use helfrich_std::method::{AnyMethod, BendingMethod, MethodOptions, OwnMethod};
 use helfrich_std::noise::noise_seen;
@@ -27,6 +30,7 @@ use helfrich_std::simulation::{Simulation, build};
 use helfrich_std::subdivide::{Target, subdivide};
 use helfrich_std::sweep::{Outcome, Sweep, Vary};
 use recommend::{RecommendArguments, recommend_method};
+use remesh::{RemeshArguments, remesh_file};
 use std::alloc::System;
 use std::fs;
 use std::num::NonZeroUsize;
@@ -71,6 +75,11 @@ enum Command {
     Curvature(CurvatureArguments),
     /// Show counts, topology, area, volume and quality of a mesh file.
     Info(MeshArguments),
+    /// Make a new mesh with even triangles of the smooth surface through the vertices of a mesh file.
+    ///
+    /// Vertices lie on polynomials fitted to the vertices of the file, so that curvatures of the new mesh are as accurate as
+    /// those of the old one. Borders and creases keep their curves.
+    Remesh(RemeshArguments),
     /// Refine a mesh file by Loop's rules: four triangles for each triangle and level.
     Subdivide(SubdivideArguments),
     /// Run a scene: surfaces, the effects that act on each, and a driver that moves them.
@@ -284,6 +293,7 @@ pub fn program_with(methods: &[OwnMethod]) -> ExitCode {
         Command::Recommend(arguments) => arguments.threads.run(|| recommend_method(&arguments)),
         Command::Curvature(arguments) => arguments.threads.run(|| curvature(&arguments)),
         Command::Info(arguments) => info(&arguments),
+        Command::Remesh(arguments) => arguments.threads.run(|| remesh_file(&arguments)),
         Command::Subdivide(arguments) => subdivide_file(&arguments),
         Command::Run(arguments) => arguments.scene.threads.run(|| run_scene(&arguments)),
         Command::Sweep(arguments) => arguments.scene.threads.run(|| sweep(&arguments)),
@@ -310,6 +320,22 @@ fn load(MeshArguments { mesh: path, weld }: &MeshArguments) -> Result<MeshFile, 
         None => read(path),
     };
     let file = file.map_err(Failure::input)?;
+    hint(path, &file, weld.is_some());
+    Ok(file)
+}
+
+/// As [`load`], with the numbers at the vertices and triangles; a welded mesh has none.
+fn load_with_columns(arguments: &MeshArguments) -> Result<(MeshFile, Vec<Column>), Failure> {
+    if arguments.weld.is_some() {
+        return Ok((load(arguments)?, Vec::new()));
+    }
+    let (file, columns) = read_with_columns(&arguments.mesh).map_err(Failure::input)?;
+    hint(&arguments.mesh, &file, false);
+    Ok((file, columns))
+}
+
+/// Prints what was left out, and recommends welding where it would help.
+fn hint(path: &Path, file: &MeshFile, is_welded: bool) {
     let shown = path.display();
     if file.left_out > 0 {
         say(format_args!(
@@ -317,11 +343,8 @@ fn load(MeshArguments { mesh: path, weld }: &MeshArguments) -> Result<MeshFile, 
             file.left_out
         ));
     }
-    let split = match weld {
-        Some(_) => 0,
-        None => file.split_vertices(),
-    };
-    let distance = GAP * shortest_edge(&file);
+    let split = if is_welded { 0 } else { file.split_vertices() };
+    let distance = GAP * shortest_edge(file);
     let near = file.near_vertices(distance);
     if near > split {
         say(format_args!(
@@ -334,7 +357,6 @@ fn load(MeshArguments { mesh: path, weld }: &MeshArguments) -> Result<MeshFile, 
              points as others; --weld merges them"
         ));
     }
-    Ok(file)
 }
 
 /// Part of the shortest edge within which vertices of a boundary are taken for the same point.
