@@ -71,7 +71,7 @@ mod _helfrich {
     #[pymodule_export]
     use super::scenes::run;
     #[pymodule_export]
-    use super::smooth_surface::SmoothSurface;
+    use super::smooth_surface::{SmoothSurface, remesh};
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

@@ -1,10 +1,11 @@
 //! The smooth surface through the vertices of a mesh.
 
-use crate::arrays::{Input, Positions, matrix};
+use crate::arrays::{Arrays, Input, Positions, arrays, matrix};
 use crate::failure::{Fault, invalid};
 use crate::work::on_threads;
 use helfrich::{Jet, MeshPoint, SmoothPoint, SmoothSurface as Smooth, Surface, TriangleMesh};
 use helfrich_std::execute::Parallel;
+use helfrich_std::remesh::{EdgeLengths, MeshRequest, RemeshError, carried, remeshed};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -105,6 +106,103 @@ impl SmoothSurface {
         let weights = places.iter().map(|place| place.barycentric);
         Ok((faces, matrix(py, weights.collect())?.into_any()))
     }
+}
+
+/// Edge lengths of a new mesh.
+#[derive(FromPyObject)]
+pub(crate) enum Lengths {
+    /// One for all, or `None`.
+    Uniform(Option<f64>),
+    /// One for each vertex.
+    AtVertices(Vec<f64>),
+}
+
+/// The new mesh; the faces and weights of its vertices on the old one, the error bars of their positions, and fields.
+type New<'py> = (
+    Arrays<'py>,
+    (Bound<'py, PyArray1<u32>>, Bound<'py, PyAny>),
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyDict>,
+);
+
+/// A new mesh of the smooth surface through the vertices.
+#[pyfunction]
+#[pyo3(signature = (positions, faces, *, vertices, edge, curvature, error, creases, smooth, fields))]
+#[expect(clippy::too_many_arguments, reason = "the arguments of the function of Python")]
+pub(crate) fn remesh<'py>(
+    py: Python<'py>,
+    positions: &Bound<'py, PyAny>,
+    faces: &Bound<'py, PyAny>,
+    vertices: Option<usize>,
+    edge: Lengths,
+    curvature: Option<f64>,
+    error: Option<f64>,
+    creases: f64,
+    smooth: bool,
+    fields: Vec<(String, Vec<f64>)>,
+) -> PyResult<New<'py>> {
+    let mut input = Input::new(positions, faces)?;
+    let triangles = input.take_faces();
+    let positions = input.positions.double();
+    let count = positions.len();
+    let lengths = match (edge, curvature, error) {
+        (_, Some(angle), _) => EdgeLengths::ByCurvature(angle.to_radians()),
+        (_, _, Some(part)) => EdgeLengths::ByError(part),
+        (Lengths::AtVertices(lengths), ..) => EdgeLengths::AtVertices(lengths),
+        (Lengths::Uniform(length), ..) => EdgeLengths::Uniform(length.unwrap_or(1.0)),
+    };
+    let ofs = fields.iter().map(|(name, values)| (name.as_str(), values.len()));
+    let of_lengths = match &lengths {
+        EdgeLengths::AtVertices(lengths) => Some(("edge", lengths.len())),
+        _ => None,
+    };
+    for (name, found) in ofs.chain(of_lengths) {
+        if found != count {
+            return Err(invalid(format_args!(
+                "{name} has {found} numbers, but {count} are needed, one for each vertex"
+            )));
+        }
+    }
+    let request = MeshRequest {
+        lengths,
+        vertices,
+        creases: creases.to_radians(),
+        smooth,
+    };
+    let made = on_threads(py, None, || {
+        let mesh = TriangleMesh::new(count, triangles)?;
+        let surface = Surface::new(&mesh, &positions[..])?;
+        let made = remeshed(surface, &request, &mut |_| true);
+        Ok::<_, Fault>(made.map(|made| {
+            let fields = fields.iter();
+            let carry = |(_, values): &(String, Vec<f64>)| {
+                carried(&made.smooth, &made.made.places, values)
+            };
+            let carried = Vec::from_iter(fields.map(carry));
+            (made.made, carried)
+        }))
+    })??;
+    let (made, carried) = made.map_err(|error| match error {
+        RemeshError::Noise(_) => invalid(format_args!("{error}: smooth=True removes it first")),
+        _ => invalid(error),
+    })?;
+    let found = PyDict::new(py);
+    for ((name, _), values) in fields.iter().zip(carried) {
+        found.set_item(name, PyArray1::from_vec(py, values))?;
+    }
+    let new = made.points.iter().map(|point| point.position);
+    let faces = made.places.iter().map(|place| place.triangle as u32);
+    let weights = made.places.iter().map(|place| place.barycentric);
+    let errors = made.points.iter().map(|point| point.position_error);
+    Ok((
+        arrays(py, new.collect(), &made.mesh)?,
+        (
+            PyArray1::from_vec(py, faces.collect()),
+            matrix(py, weights.collect())?.into_any(),
+        ),
+        PyArray1::from_vec(py, errors.collect()),
+        found,
+    ))
 }
 
 fn columns<'py>(py: Python<'py>, points: &[SmoothPoint<f64>]) -> PyResult<Bound<'py, PyDict>> {

@@ -115,6 +115,16 @@ CALLS = {
         of("mass|areas", [None, *TEXT], lambda value: h.laplacian(V, F, mass=value)),
     ],
     "gradient": [of_mesh(h.gradient)],
+    "remesh": [
+        of_mesh(h.remesh),
+        of("vertices", [3, *WHOLE], lambda value: h.remesh(V, F, vertices=value)),
+        of("edge", [0.0, -1.0, NAN, INF, "1", [1.0, 2.0], [[1.0]], object()], lambda value: h.remesh(V, F, edge=value)),
+        of("curvature", [0.0, *LENGTH_OR_NONE], lambda value: h.remesh(V, F, curvature=value)),
+        of("error", [0.0, *LENGTH_OR_NONE], lambda value: h.remesh(V, F, error=value)),
+        of("creases", [0.0, *LENGTH], lambda value: h.remesh(V, F, creases=value)),
+        of("smooth", FLAG, lambda value: h.remesh(V, F, smooth=value)),
+        of("fields|a", [3, [1], {3: V[:, 0]}, {"a": [1.0]}, {"a": "b"}], lambda value: h.remesh(V, F, fields=value)),
+    ],
     "surface": [
         of_mesh(h.surface),
         of("method", [None, *TEXT], lambda value: h.surface(V, F, method=value)),

@@ -24,8 +24,8 @@ def test_points_between_vertices_are_on_the_sphere():
 
 def test_a_degree_is_chosen_by_the_mesh():
     V, F, _ = helfrich.shape("sphere", 642)
-    chosen, fourth = (helfrich.surface(V, F, method=method).at(*centres(F)) for method in ("jet", "j4"))
-    assert (chosen.H == fourth.H).all()
+    chosen, sixth = (helfrich.surface(V, F, method=method).at(*centres(F)) for method in ("jet", "j6"))
+    assert (chosen.H == sixth.H).all()
 
 
 def test_projections_are_the_nearest_points():
@@ -76,3 +76,34 @@ def test_points_and_methods_that_are_none_are_refused():
         helfrich.surface(V, F).project([[np.nan, 0, 0]])
     with pytest.raises(ValueError, match="'meyer': 'jet', 'j4', 'j6' and 'j8' have a smooth surface"):
         helfrich.surface(V, F, method="meyer")
+
+
+def test_a_new_mesh_keeps_curvatures_and_fields():
+    V, F, exact = helfrich.shape("ellipsoid:1,0.8,0.5", 2562, family="irregular")
+    label = (V[:, 0] > 0).astype(float)
+    new = helfrich.remesh(V, F, vertices=2000, fields={"z": np.sin(2 * V[:, 2]), "label": label})
+    assert len(new.vertices) == 2000 and helfrich.check(new.vertices, new.faces).genus == 0
+    flat = np.einsum("nk,nkx->nx", new.weights, V[F[new.face_of]])
+    # Edges are 0.05 long, so that chords are 4e-4 below the surface.
+    assert abs(flat - new.vertices).max() < 4e-3
+    assert abs(new.fields["z"] - np.sin(2 * new.vertices[:, 2])).max() < 1e-5
+    assert set(new.fields["label"]) == {0.0, 1.0}
+    on = (new.vertices**2 / np.array([1, 0.8, 0.5]) ** 2).sum(1)
+    assert abs(on - 1).max() < 1e-6 and new.position_error.max() < 1e-5
+
+
+def test_a_box_stays_a_box():
+    corners = np.array([[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)], dtype=float)
+    sides = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]
+    faces = [[a, b, c] for s in sides for a, b, c in (s[:3], [s[0], s[2], s[3]])]
+    new = helfrich.remesh(corners, faces, edge=0.2)
+    found = helfrich.check(new.vertices, new.faces)
+    assert found.volume == pytest.approx(1, abs=1e-12) and found.area == pytest.approx(6, abs=1e-12)
+
+
+def test_noise_is_refused_with_the_remedy():
+    V, F, _ = helfrich.shape("sphere", 642, family="irregular")
+    V = V + 1e-3 * np.random.default_rng(1).standard_normal(V.shape)
+    with pytest.raises(ValueError, match="smooth=True"):
+        helfrich.remesh(V, F)
+    assert len(helfrich.remesh(V, F, smooth=True).vertices) == 642

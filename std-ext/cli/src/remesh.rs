@@ -3,11 +3,11 @@
 use crate::columns::write_with_columns;
 use crate::terminal::{Failure, ProgressBar, check_outputs, print, say, until_stopped};
 use crate::{MeshArguments, ThreadArguments, load_with_columns, positive, refuse_replacing};
-use helfrich::{Surface, TriangleMesh, crossing_triangles};
+use helfrich::{Surface, TriangleMesh, VertexKind};
 use helfrich_std::io::{Column, ColumnPlace, Format};
-use helfrich_std::noise::{Quieted, noise_of};
-use helfrich_std::remesh::{EdgeLengths, carried, remesh, smooth_surface};
-use helfrich_std::report;
+use helfrich_std::remesh::{
+    EdgeLengths, MeshRequest, NewMesh, RemeshError, carried, old_triangles, remeshed,
+};
 use std::path::PathBuf;
 
 /// The arguments of the command.
@@ -50,10 +50,6 @@ pub(crate) struct RemeshArguments {
     pub(crate) threads: ThreadArguments,
 }
 
-/// Noise, in mean edges, from which on bumps are a considerable part of H: about this number times the edges that fit into a
-/// radius of curvature.
-const ROUGH: f64 = 1e-3;
-
 /// A part of a whole, above 0, also in per cent.
 fn part(text: &str) -> Result<f64, String> {
     let (number, unit) = match text.strip_suffix('%') {
@@ -71,53 +67,41 @@ pub(crate) fn remesh_file(arguments: &RemeshArguments) -> Result<(), Failure> {
     let (path, output) = (&arguments.input.mesh, &arguments.output);
     refuse_replacing(path, "the mesh", output, "the new mesh")?;
     check_outputs([output.as_path()])?;
-    let (mut file, columns) = load_with_columns(&arguments.input)?;
+    let (file, columns) = load_with_columns(&arguments.input)?;
     let surface = Surface::new(&file.mesh, &file.positions);
     let surface = surface.map_err(|error| Failure::mesh(path, error))?;
-    let noise = noise_of(surface);
-    if noise.edges > ROUGH && !arguments.smooth {
-        let seen = report::noise_of_positions(&noise);
-        let message = format!(
-            "the positions have noise of {seen}, which the new mesh would have as bumps: --smooth removes it first"
-        );
-        return Err(Failure::mesh(path, message));
-    }
-    if let Some(quiet) = Quieted::new(surface).filter(|_| arguments.smooth) {
-        say(format_args!(
-            "note: {}: the noise is removed: vertices are moved by {:.2e} in the mean",
-            path.display(),
-            quiet.moved
-        ));
-        file.positions = quiet.positions;
-    }
-    let surface = Surface::new(&file.mesh, &file.positions);
-    let surface = surface.map_err(|error| Failure::mesh(path, error))?;
-    let lengths = lengths(arguments, &columns, surface)?;
-    let mut bar = ProgressBar::default();
-    let vertices = match &lengths {
-        EdgeLengths::Uniform(_) if arguments.edge.is_none() => {
-            let used = surface.mesh().vertex_kinds().iter();
-            let used = used.filter(|kind| **kind != helfrich::VertexKind::Isolated);
-            Some(
-                arguments
-                    .vertices
-                    .map_or(used.count(), |number| number as usize),
-            )
-        }
-        _ => arguments.vertices.map(|number| number as usize),
+    let request = MeshRequest {
+        lengths: lengths(arguments, &columns, surface)?,
+        vertices: vertices(arguments, surface),
+        creases: arguments.creases.to_radians(),
+        smooth: arguments.smooth,
     };
-    let made = until_stopped(|| {
+    let mut bar = ProgressBar::default();
+    let found = until_stopped(|| {
         bar.show(0.0, "fits");
-        let smooth = smooth_surface(surface, arguments.creases.to_radians());
-        let made = remesh(&smooth, &lengths, vertices, &mut |done| {
+        let found = remeshed(surface, &request, &mut |done| {
             bar.show(done, "rounds of splits, collapses, flips and movements");
             true
         });
-        let made = made.ok_or(Failure::Unfinished(130))?;
-        Ok((smooth, made))
+        found.map_err(|error| match error {
+            RemeshError::Noise(_) => {
+                Failure::mesh(path, format_args!("{error}: --smooth removes it first"))
+            }
+            _ => Failure::mesh(path, error),
+        })
     });
     bar.clear();
-    let (smooth, made) = made?;
+    let NewMesh {
+        smooth,
+        made,
+        moved,
+    } = found?;
+    if let Some(moved) = moved {
+        say(format_args!(
+            "note: {}: the noise is removed: vertices are moved by {moved:.1e}, root mean square",
+            path.display()
+        ));
+    }
     let shown = path.display();
     if !smooth.lines().is_empty() {
         say(format_args!(
@@ -137,23 +121,16 @@ pub(crate) fn remesh_file(arguments: &RemeshArguments) -> Result<(), Failure> {
             "note: {shown}: {flat} vertices are on flat triangles, because fits disagree there, or triangles would cross"
         ));
     }
-    let own = crossing_triangles(surface).len();
-    if made.crossings.len() > own {
-        let message = format!(
-            "{} pairs of triangles would cross each other, where the surface is thinner than the new edges: choose \
-             more vertices or shorter edges",
-            made.crossings.len()
-        );
-        return Err(Failure::mesh(path, message));
-    }
     let positions = Vec::from_iter(made.points.iter().map(|point| point.position));
-    let centres = triangles_of(&made.mesh, &made.places);
+    let old_triangles = old_triangles(&made);
     let keeps = Format::from_extension(output) == Some(Format::Vtp);
     let carry = |column: Column| {
         let values = match column.place {
             ColumnPlace::Vertices => carried(&smooth, &made.places, &column.values),
             ColumnPlace::Triangles => {
-                let values = centres.iter().map(|&triangle| column.values[triangle]);
+                let values = old_triangles
+                    .iter()
+                    .map(|&triangle| column.values[triangle]);
                 values.collect()
             }
         };
@@ -185,6 +162,24 @@ pub(crate) fn remesh_file(arguments: &RemeshArguments) -> Result<(), Failure> {
             known.fold(0.0, f64::max)
         )
     })
+}
+
+/// The number of vertices that the arguments ask for; that of the input if they name no lengths.
+fn vertices(arguments: &RemeshArguments, surface: Surface<'_, f64>) -> Option<usize> {
+    let RemeshArguments {
+        edge,
+        field,
+        curvature,
+        error,
+        ..
+    } = arguments;
+    let given = arguments.vertices.map(|number| number as usize);
+    if edge.is_some() || field.is_some() || curvature.is_some() || error.is_some() {
+        return given;
+    }
+    let kinds = surface.mesh().vertex_kinds().iter();
+    let used = kinds.filter(|kind| **kind != VertexKind::Isolated);
+    given.or(Some(used.count()))
 }
 
 /// The lengths that the arguments ask for.
@@ -227,14 +222,6 @@ fn lengths(
         return Err(Failure::mesh(&arguments.input.mesh, message));
     }
     Ok(EdgeLengths::AtVertices(column.values.clone()))
-}
-
-/// A triangle of the input for each new one: that of its first corner.
-fn triangles_of(mesh: &TriangleMesh, places: &[helfrich::MeshPoint<f64>]) -> Vec<usize> {
-    let first = mesh.triangles().iter().map(|corners| corners[0]);
-    first
-        .map(|corner| places[corner as usize].triangle)
-        .collect()
 }
 
 fn smallest_angle(mesh: &TriangleMesh, positions: &[[f64; 3]]) -> f64 {

@@ -1,7 +1,10 @@
 //! New meshes of smooth surfaces in f64, compiled once here for all other crates: edge lengths, creases, fields.
 
 use crate::execute::Parallel;
-use helfrich::{MeshPoint, Remeshed, Remeshing, SmoothPoint, SmoothSurface, Surface};
+use crate::noise::{Quieted, noise_of};
+use helfrich::{
+    MeshPoint, Noise, Remeshed, Remeshing, SmoothPoint, SmoothSurface, Surface, crossing_triangles,
+};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -105,28 +108,109 @@ fn limit_growth(surface: Surface<'_, f64>, lengths: &mut [f64], growth: f64) {
     }
 }
 
-/// The smooth surface through the vertices, on all threads. It is folded along edges at which triangles differ by more than
-/// `creases`, in radians.
-pub fn smooth_surface(surface: Surface<'_, f64>, creases: f64) -> SmoothSurface<f64> {
-    let jet = SmoothSurface::jet_for(surface.mesh());
-    SmoothSurface::with_lines(&Parallel::new(), surface, &jet, &surface.creases(creases))
+/// What a new mesh is to be like.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshRequest {
+    /// The edge lengths.
+    pub lengths: EdgeLengths,
+    /// The number of vertices; lengths are then relative to each other.
+    pub vertices: Option<usize>,
+    /// The angle between triangles, in radians, above which their edge is a crease.
+    pub creases: f64,
+    /// Whether the noise of the positions is removed first.
+    pub smooth: bool,
 }
 
-/// A new mesh of a smooth surface with edges of these lengths, which are relative to each other if a number of vertices is
-/// given; see [`SmoothSurface::remesh`].
-pub fn remesh(
-    smooth: &SmoothSurface<f64>,
-    lengths: &EdgeLengths,
-    vertices: Option<usize>,
+/// A new mesh, and the smooth surface on which its vertices are.
+#[derive(Debug)]
+pub struct NewMesh {
+    /// The smooth surface through the old vertices.
+    pub smooth: SmoothSurface<f64>,
+    /// The new mesh.
+    pub made: Remeshed<f64>,
+    /// How far old vertices were moved to remove noise, root mean square; `None` if there was none.
+    pub moved: Option<f64>,
+}
+
+/// The reason why there is no new mesh.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum RemeshError {
+    /// Noise that would be considerable bumps of the new mesh.
+    #[error(
+        "the positions have noise of {:.1e} ({:.1e} mean edges), which the new mesh would have as bumps", .0.length, .0.edges
+    )]
+    Noise(Noise<f64>),
+    /// Triangles that cross, where the old ones do not.
+    #[error(
+        "{0} pairs of triangles would cross each other, where the surface is thinner than the new edges: choose more \
+         vertices or shorter edges"
+    )]
+    Crossings(usize),
+    /// The caller ended the work.
+    #[error("interrupted")]
+    Interrupted,
+}
+
+/// Noise, in mean edges, from which on bumps are a considerable part of H: about this number times the edges that fit into a
+/// radius of curvature.
+const ROUGH: f64 = 1e-3;
+
+/// A new mesh of the smooth surface through the vertices, on all threads; `go_on` gets the part that is done, and ends the
+/// work by `false`. See [`SmoothSurface::remesh`].
+///
+/// # Errors
+/// If positions are noisy, if triangles would cross, or if the work is ended.
+pub fn remeshed(
+    surface: Surface<'_, f64>,
+    request: &MeshRequest,
     go_on: &mut dyn FnMut(f64) -> bool,
-) -> Option<Remeshed<f64>> {
-    let sizes = lengths.at_vertices(smooth);
+) -> Result<NewMesh, RemeshError> {
+    let mut quiet = None;
+    if request.smooth {
+        quiet = Quieted::new(surface);
+    } else {
+        let noise = noise_of(surface);
+        if noise.edges > ROUGH {
+            return Err(RemeshError::Noise(noise));
+        }
+    }
+    let mesh = surface.mesh();
+    let quiet_surface = quiet
+        .as_ref()
+        .map(|quiet| Surface::new(mesh, &quiet.positions));
+    let surface = match quiet_surface {
+        Some(smoothed) => smoothed.expect("finite positions"),
+        None => surface,
+    };
+    let jet = SmoothSurface::jet_for(mesh);
+    let lines = surface.creases(request.creases);
+    let smooth = SmoothSurface::with_lines(&Parallel::new(), surface, &jet, &lines);
+    let sizes = request.lengths.at_vertices(&smooth);
     let settings = Remeshing {
         sizes: &sizes,
-        vertices,
+        vertices: request.vertices,
         rounds: Remeshing::<f64>::ROUNDS,
     };
-    smooth.remesh(&Parallel::new(), &settings, go_on)
+    let made = smooth.remesh(&Parallel::new(), &settings, go_on);
+    let made = made.ok_or(RemeshError::Interrupted)?;
+    let crossings = made.crossings.len();
+    if crossings > 0 && crossings > crossing_triangles(surface).len() {
+        return Err(RemeshError::Crossings(crossings));
+    }
+    let moved = quiet.map(|quiet| quiet.moved);
+    Ok(NewMesh {
+        smooth,
+        made,
+        moved,
+    })
+}
+
+/// A triangle of the old mesh for each new one: that at its first corner.
+pub fn old_triangles(made: &Remeshed<f64>) -> Vec<usize> {
+    let first = made.mesh.triangles().iter().map(|corners| corners[0]);
+    first
+        .map(|corner| made.places[corner as usize].triangle)
+        .collect()
 }
 
 /// The values of a field at places of a surface, from those at its vertices: integers, which may be labels, from the

@@ -22,7 +22,7 @@ from ._membranes import Membrane, bending_energy, bending_force
 from ._meshes import Exact, Problem, Report, check, read, shape, subdivide, weld, write
 from ._operators import gradient, laplacian
 from ._scenes import Run, run
-from ._surfaces import Surface, SurfacePoints, surface
+from ._surfaces import Remeshed, Surface, SurfacePoints, remesh, surface
 
 __all__ = [
     "METHODS",
@@ -55,6 +55,7 @@ __all__ = [
     "run",
     "shape",
     "subdivide",
+    "remesh",
     "surface",
     "weld",
     "write",

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import operator
 import os
-from typing import Any, List, Optional
+from typing import Any, List, Mapping, Optional
 
 import numpy as np
 
@@ -91,6 +91,15 @@ def flag(value: Any, name: str) -> bool:
     if not isinstance(value, (bool, np.bool_)):
         raise TypeError(f"{name} is {shown(value)}: True or False is needed")
     return bool(value)
+
+
+def mapping(value: Any, name: str) -> Mapping[str, Any]:
+    """A mapping, or none."""
+    if value is None:
+        return {}
+    if not isinstance(value, Mapping):
+        raise TypeError(f"{name} is {shown(value)}: a dict is needed")
+    return value
 
 
 def text(value: Any, name: str) -> str:

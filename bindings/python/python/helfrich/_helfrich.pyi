@@ -66,6 +66,18 @@ def recommend(
     scalars: List[str],
     threads: Optional[int],
 ) -> str: ...
+def remesh(
+    positions: Any,
+    faces: Any,
+    *,
+    vertices: Optional[int],
+    edge: Any,
+    curvature: Optional[float],
+    error: Optional[float],
+    creases: float,
+    smooth: bool,
+    fields: List[Tuple[str, List[float]]],
+) -> Tuple[_Mesh, Tuple[np.ndarray, np.ndarray], np.ndarray, Dict[str, np.ndarray]]: ...
 class SmoothSurface:
     def __init__(self, positions: Any, faces: Any, method: str) -> None: ...
     def at(self, faces: List[int], weights: Any) -> Dict[str, np.ndarray]: ...

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, Tuple
+from typing import Any, Dict, Mapping, NamedTuple, Optional, Tuple
 
 import numpy as np
 
@@ -115,3 +115,125 @@ def surface(V: Any, F: Any = None, *, method: str = "jet") -> Surface:
     (1.0, 1.0)
     """
     return Surface(V, F, method=method)
+
+
+class Remeshed(NamedTuple):
+    """A new mesh, made by `remesh`."""
+
+    vertices: np.ndarray
+    """Positions V (n, 3) float64."""
+    faces: np.ndarray
+    """Triangles F (m, 3) uint32."""
+    face_of: np.ndarray
+    """The face of the old mesh on which each vertex is, (n,) uint32."""
+    weights: np.ndarray
+    """The weights of the corners of that face, (n, 3)."""
+    position_error: np.ndarray
+    """Error bar of each position, a length; infinite where a vertex is on a flat face."""
+    fields: Dict[str, np.ndarray]
+    """The fields at the new vertices, (n,)."""
+
+
+def remesh(
+    V: Any,
+    F: Any = None,
+    *,
+    vertices: Optional[int] = None,
+    edge: Any = None,
+    curvature: Optional[float] = None,
+    error: Optional[float] = None,
+    creases: float = 60.0,
+    smooth: bool = False,
+    fields: Optional[Mapping[str, Any]] = None,
+) -> Remeshed:
+    """A new mesh with even triangles of the smooth surface through the vertices.
+
+    Vertices lie on polynomials fitted to the old ones, so that curvatures of the new mesh are as accurate as those of the
+    old one. Borders and creases keep their curves. By default the number of vertices stays the same.
+
+    Parameters
+    ----------
+    V, F
+        The mesh, as in `curvature`.
+    vertices : int, optional
+        The number of vertices; lengths are then relative to each other.
+    edge : float or (n,), optional
+        The length of the edges, or one at each vertex.
+    curvature : float, optional
+        Lengths by curvature: no edge turns by more than this angle, in degrees.
+    error : float, optional
+        Edges as long as the error of H may be at most this part of the largest ``|H|``.
+    creases : float
+        Edges at which faces differ by more than this angle, in degrees, are kept as creases.
+    smooth : bool
+        Removes the noise of the positions first.
+    fields : dict, optional
+        Numbers at vertices (n,), which are carried to the new ones: integers as labels, others as smooth fields.
+
+    Returns
+    -------
+    Remeshed
+        `vertices faces face_of weights position_error fields`.
+
+    Raises
+    ------
+    MeshError
+        If V and F are no mesh.
+    ValueError
+        If the positions are noisy, if faces would cross, or if an argument is out of its range.
+
+    Examples
+    --------
+    >>> import helfrich
+    >>> V, F, _ = helfrich.shape("torus:1,0.4", 642, family="irregular")
+    >>> new = helfrich.remesh(V, F, vertices=800, fields={"height": V[:, 2]})
+    >>> len(new.vertices), helfrich.check(new.vertices, new.faces).genus
+    (800, 1)
+    >>> bool(abs(new.fields["height"] - new.vertices[:, 2]).max() < 1e-2)
+    True
+    """
+    V, F = both(V, F)
+    if sum(given is not None for given in (edge, curvature, error)) > 1:
+        raise ValueError("edge, curvature and error are given together: one of them is needed")
+    if edge is not None:
+        if np.ndim(edge) == 0:
+            edge = _positive(edge, "edge")
+        else:
+            edge = _numbers(edge, "edge")
+            if not (edge > 0).all():
+                raise ValueError("edge has lengths that are not above 0")
+    elif curvature is None and error is None and vertices is None:
+        vertices = len(np.unique(np.asarray(F)))
+    found = _helfrich.remesh(
+        V,
+        F,
+        vertices=None if vertices is None else _checks.whole(vertices, "vertices", 4, 2**29),
+        edge=edge if edge is None or isinstance(edge, float) else edge.tolist(),
+        curvature=None if curvature is None else _positive(curvature, "curvature"),
+        error=None if error is None else _positive(error, "error"),
+        creases=_positive(creases, "creases"),
+        smooth=_checks.flag(smooth, "smooth"),
+        fields=[(_checks.text(name, "fields"), _numbers(field, "fields", known=False).tolist())
+                for name, field in _checks.mapping(fields, "fields").items()],
+    )
+    mesh, places, errors, carried = found
+    return Remeshed(*mesh, *places, errors, carried)
+
+
+def _positive(value: Any, name: str) -> float:
+    """A finite number above 0."""
+    found = _checks.number(value, name)
+    if found <= 0:
+        raise ValueError(f"{name} is {found}: a number above 0 is needed")
+    return found
+
+
+def _numbers(values: Any, name: str, known: bool = True) -> np.ndarray:
+    """Numbers (n,) in double precision."""
+    try:
+        found = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        raise TypeError(f"{name} has no numbers: one for each vertex is needed") from None
+    if np.ma.isMaskedArray(values) or found.ndim != 1 or (known and not np.isfinite(found).all()):
+        raise ValueError(f"{name} has to be one-dimensional, with finite numbers, one for each vertex")
+    return found
