@@ -128,7 +128,10 @@ type New<'py> = (
 /// A new mesh of the smooth surface through the vertices.
 #[pyfunction]
 #[pyo3(signature = (positions, faces, *, vertices, edge, curvature, error, creases, smooth, fields))]
-#[expect(clippy::too_many_arguments, reason = "the arguments of the function of Python")]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "the arguments of the function of Python"
+)]
 pub(crate) fn remesh<'py>(
     py: Python<'py>,
     positions: &Bound<'py, PyAny>,
@@ -151,7 +154,9 @@ pub(crate) fn remesh<'py>(
         (Lengths::AtVertices(lengths), ..) => EdgeLengths::AtVertices(lengths),
         (Lengths::Uniform(length), ..) => EdgeLengths::Uniform(length.unwrap_or(1.0)),
     };
-    let ofs = fields.iter().map(|(name, values)| (name.as_str(), values.len()));
+    let ofs = fields
+        .iter()
+        .map(|(name, values)| (name.as_str(), values.len()));
     let of_lengths = match &lengths {
         EdgeLengths::AtVertices(lengths) => Some(("edge", lengths.len())),
         _ => None,
@@ -175,9 +180,8 @@ pub(crate) fn remesh<'py>(
         let made = remeshed(surface, &request, &mut |_| true);
         Ok::<_, Fault>(made.map(|made| {
             let fields = fields.iter();
-            let carry = |(_, values): &(String, Vec<f64>)| {
-                carried(&made.smooth, &made.made.places, values)
-            };
+            let carry =
+                |(_, values): &(String, Vec<f64>)| carried(&made.smooth, &made.made.places, values);
             let carried = Vec::from_iter(fields.map(carry));
             (made.made, carried)
         }))

@@ -211,8 +211,8 @@ impl<'a, T: Real> State<'a, T> {
         }
     }
 
-    /// Splits edges that are too long, each once, and returns their number.
-    fn split(&mut self, limit: T, most: usize) -> usize {
+    /// Splits edges that are longer than a limit, the longest first, each once.
+    fn split(&mut self, limit: T, most: usize) {
         let edges = self.beyond(limit, true);
         let ends = edges
             .iter()
@@ -224,15 +224,16 @@ impl<'a, T: Real> State<'a, T> {
             let edge = edge.or_else(|| self.edited.half_edge(head, tail));
             self.split_edge(edge.expect("an edge"));
         }
-        ends.len()
     }
 
-    pub(super) fn split_long(&mut self) -> usize {
-        self.split(T::constant(LONG), usize::MAX)
+    /// Splits edges that are too long, each once.
+    pub(super) fn split_long(&mut self) {
+        self.split(T::constant(LONG), usize::MAX);
     }
 
-    pub(super) fn collapse_short(&mut self) -> usize {
-        self.collapse(T::constant(SHORT), T::constant(LONG), usize::MAX)
+    /// Collapses edges that are too short.
+    pub(super) fn collapse_short(&mut self) {
+        self.collapse(T::constant(SHORT), T::constant(LONG), usize::MAX);
     }
 
     fn split_edge(&mut self, edge: u32) {
@@ -264,8 +265,8 @@ impl<'a, T: Real> State<'a, T> {
         self.set_place(vertex, place);
     }
 
-    /// Collapses edges that are shorter than a limit and make none longer than another, and returns their number.
-    fn collapse(&mut self, limit: T, long: T, most: usize) -> usize {
+    /// Collapses edges that are shorter than a limit and make none longer than another, the shortest first.
+    fn collapse(&mut self, limit: T, long: T, most: usize) {
         let mut count = 0;
         for (_, edge) in self.beyond(limit, false) {
             if count == most {
@@ -285,7 +286,6 @@ impl<'a, T: Real> State<'a, T> {
                 }
             }
         }
-        count
     }
 
     /// Whether a collapse makes no edge too long, and no bad triangle.
@@ -306,8 +306,8 @@ impl<'a, T: Real> State<'a, T> {
         self.shape(&after).is_as_good_as(self.shape(&changed))
     }
 
-    /// Flips edges where that brings numbers of neighbours nearer to those of a regular mesh, and returns their number.
-    pub(super) fn flip_to_valence(&mut self) -> usize {
+    /// Flips edges where that brings numbers of neighbours nearer to those of a regular mesh.
+    pub(super) fn flip_to_valence(&mut self) {
         self.flip_where(|state, [a, b, c, d]| {
             let valence = |vertex: u32, change: isize| {
                 let ideal = if state.edited.is_border(vertex) { 4 } else { 6 };
@@ -317,11 +317,11 @@ impl<'a, T: Real> State<'a, T> {
             let before = valence(a, 0) + valence(b, 0) + valence(c, 0) + valence(d, 0);
             let after = valence(a, -1) + valence(b, -1) + valence(c, 1) + valence(d, 1);
             after < before
-        })
+        });
     }
 
-    /// Flips edges whose opposite angles have a sum above π, and returns their number.
-    pub(super) fn flip_to_delaunay(&mut self) -> usize {
+    /// Flips edges whose opposite angles have a sum above π.
+    pub(super) fn flip_to_delaunay(&mut self) {
         self.flip_where(|state, [a, b, c, d]| {
             // Cosine and sine of the angle at an apex, times the lengths of its sides; right for flat triangles, too.
             let angle = |apex: u32| {
@@ -331,12 +331,11 @@ impl<'a, T: Real> State<'a, T> {
             let [[cos_c, sin_c, size_c], [cos_d, sin_d, size_d]] = [angle(c), angle(d)];
             let sine_of_sum = sin_c * cos_d + cos_c * sin_d;
             sine_of_sum < -T::epsilon().sqrt() * size_c * size_d
-        })
+        });
     }
 
     /// Flips edges (a, b) with apexes c and d where that is asked for, legal, and leaves good triangles.
-    fn flip_where(&mut self, is_better: impl Fn(&Self, [u32; 4]) -> bool) -> usize {
-        let mut count = 0;
+    fn flip_where(&mut self, is_better: impl Fn(&Self, [u32; 4]) -> bool) {
         let edges = Vec::from_iter(self.edited.edges());
         for edge in edges {
             let Some(other) = self.edited.opposite(edge) else {
@@ -349,11 +348,11 @@ impl<'a, T: Real> State<'a, T> {
             let [c, d] = [self.edited.apex(edge), self.edited.apex(other)];
             let old = self.shape(&[[a, b, c], [b, a, d]]);
             let is_fit = self.shape(&[[d, c, a], [c, d, b]]).is_as_good_as(old);
-            if is_fit && is_better(self, [a, b, c, d]) && self.edited.flip(edge).is_ok() {
-                count += 1;
+            if is_fit && is_better(self, [a, b, c, d]) {
+                // Refused where c and d are neighbours.
+                let _ = self.edited.flip(edge);
             }
         }
-        count
     }
 
     /// Moves every vertex towards the mean of its triangles' centroids, weighted by their areas over the square of the
