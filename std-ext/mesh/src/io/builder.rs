@@ -4,6 +4,7 @@ use helfrich::{MeshError, TriangleMesh};
 
 use super::{Element, MeshFile, ParseError, Place, Position, Problem};
 use crate::polygon::triangulate;
+use crate::repair::Soup;
 
 /// Vertices and faces read so far, before they become a mesh.
 pub(super) struct MeshBuilder {
@@ -16,6 +17,10 @@ pub(super) struct MeshBuilder {
     origins: Vec<Origin>,
     /// The number of faces so far.
     faces: usize,
+    /// The number of faces with fewer than three corners, which have no triangle.
+    short_faces: usize,
+    /// The first face with fewer than three corners or a repeated one.
+    refused: Option<ParseError>,
     /// The number of the first vertex and the first face: 1 in OBJ, 0 elsewhere.
     first: usize,
 }
@@ -39,6 +44,8 @@ impl MeshBuilder {
             polygons: Vec::new(),
             origins: Vec::new(),
             faces: 0,
+            short_faces: 0,
+            refused: None,
             first,
         }
     }
@@ -63,13 +70,16 @@ impl MeshBuilder {
     }
 
     /// Adds a face whose corners count vertices from 0; [`Self::finish`] checks that they exist.
-    pub(super) fn add_face(
-        &mut self,
-        corners: &[u32],
-        position: Position,
-    ) -> Result<(), ParseError> {
+    pub(super) fn add_face(&mut self, corners: &[u32], position: Position) {
         if let Err(problem) = check_corners(corners) {
-            return Err(problem.at(position, Some(self.next_face())));
+            let face = self.next_face();
+            self.refused
+                .get_or_insert_with(|| problem.at(position, Some(face)));
+        }
+        if corners.len() < 3 {
+            self.short_faces += 1;
+            self.faces += 1;
+            return;
         }
         self.add_origin(position, corners.len() == 3);
         if corners.len() > 3 {
@@ -80,11 +90,10 @@ impl MeshBuilder {
             self.triangles.push([corners[0], pair[0], pair[1]]);
         }
         self.faces += 1;
-        Ok(())
     }
 
-    /// Adds triangles up to the first one with a repeated corner, and returns their number. The first is
-    /// at the byte `start`, and the others follow at equal distances.
+    /// Adds triangles, and returns their number. The first is at the byte `start`, and the others follow at
+    /// equal distances.
     pub(super) fn add_triangles(
         &mut self,
         triangles: impl Iterator<Item = [u32; 3]>,
@@ -98,11 +107,22 @@ impl MeshBuilder {
             face: self.faces,
             step,
         });
-        self.triangles
-            .extend(triangles.take_while(|corners| check_corners(corners).is_ok()));
-        let added = self.triangles.len() - triangle;
-        self.faces += added;
-        added
+        self.triangles.extend(triangles);
+        let added = &self.triangles[triangle..];
+        let checks = added.iter().map(|corners| check_corners(corners));
+        let refused = checks
+            .enumerate()
+            .find_map(|(at, check)| Some((at, check.err()?)));
+        let count = added.len();
+        if let Some((at, problem)) = refused {
+            let place = self.place(triangle + at);
+            self.refused.get_or_insert(ParseError {
+                places: vec![place],
+                problem,
+            });
+        }
+        self.faces += count;
+        count
     }
 
     /// Stores the place of the next face. Triangles at equal distances share one origin.
@@ -204,13 +224,8 @@ impl MeshBuilder {
         Ok(())
     }
 
-    pub(super) fn finish(self) -> Result<MeshFile, ParseError> {
-        self.finish_known().map(|(file, _)| file)
-    }
-
-    /// The mesh without vertices that no face has and whose coordinates are not finite, and whether each vertex was
-    /// left out; nothing if none was.
-    pub(super) fn finish_known(mut self) -> Result<(MeshFile, Vec<bool>), ParseError> {
+    /// Checks that every corner names a vertex.
+    fn check_range(&self) -> Result<(), ParseError> {
         let vertices = self.positions.len();
         for (at, triangle) in self.triangles.iter().enumerate() {
             if let Some(&vertex) = triangle.iter().find(|&&v| v as usize >= vertices) {
@@ -224,6 +239,27 @@ impl MeshBuilder {
                 });
             }
         }
+        Ok(())
+    }
+
+    /// The triangles of all faces, which need not be a mesh.
+    pub(super) fn soup(mut self) -> Result<Soup, ParseError> {
+        self.check_range()?;
+        self.divide_polygons()?;
+        Ok(Soup {
+            positions: self.positions,
+            triangles: self.triangles,
+            short_faces: self.short_faces,
+        })
+    }
+
+    /// The mesh without vertices that no face has and whose coordinates are not finite, and whether each vertex was
+    /// left out; nothing if none was.
+    pub(super) fn finish(mut self) -> Result<(MeshFile, Vec<bool>), ParseError> {
+        if let Some(refused) = self.refused {
+            return Err(refused);
+        }
+        self.check_range()?;
         let left_out = self.leave_out_unknown()?;
         self.divide_polygons()?;
         let vertices = self.positions.len();

@@ -2,8 +2,7 @@
 
 use super::super::xml::{Tag, Tags, line_of};
 use super::super::{
-    Budget, Column, ColumnPlace, Columns, MeshBuilder, MeshFile, ParseError, Problem, Unknown,
-    finite, leave_out,
+    Budget, Column, ColumnPlace, Columns, MeshBuilder, ParseError, Problem, Unknown, finite,
 };
 use super::array::{Array, Storage};
 
@@ -31,16 +30,13 @@ pub(in crate::io) fn parse(
     bytes: &[u8],
     columns: Columns,
     unknown: Unknown,
-) -> Result<(MeshFile, Vec<Column>), ParseError> {
+) -> Result<(MeshBuilder, Vec<Column>), ParseError> {
     let Outline { storage, pieces } = outline(bytes, columns)?;
     let mut builder = MeshBuilder::new(0);
     for piece in &pieces {
         piece.add_to(&mut builder, &storage, unknown)?;
     }
-    let (file, left_out) = builder.finish_known()?;
-    let mut columns = joined(&pieces, &storage)?;
-    leave_out(&left_out, &mut columns);
-    Ok((file, columns))
+    Ok((builder, joined(&pieces, &storage)?))
 }
 
 /// Columns that every piece with points has, concatenated in the order of pieces.
@@ -219,9 +215,10 @@ impl Piece<'_> {
                 vertices => Err(wrong("PointData", format!("{vertices} points"))),
             };
         }
-        let ends = match &self.ends {
-            Some(ends) => ends.indices(storage)?.values,
-            None => Vec::new(),
+        // Without corners there are no faces, and the ends have not been checked.
+        let ends = match (&self.connectivity, &self.ends) {
+            (Some(_), Some(ends)) => ends.indices(storage)?.values,
+            _ => Vec::new(),
         };
         let cells = self.skipped.saturating_add(ends.len());
         if found != cells {
@@ -231,7 +228,7 @@ impl Piece<'_> {
         let faces = own.values[self.skipped..]
             .iter()
             .zip(ends.iter().zip(starts));
-        // Every face has three corners or more, because the mesh has been built.
+        // Faces with fewer than three corners have no triangle.
         let repeated = faces.map(|(&value, (end, start))| {
             std::iter::repeat_n(value, usize::try_from(end - start - 2).unwrap_or(0))
         });
@@ -302,7 +299,7 @@ impl Piece<'_> {
                     problem.at(corners.position(file, start + place), Some(element))
                 })?);
             }
-            builder.add_face(&face, here)?;
+            builder.add_face(&face, here);
             start = end;
         }
         Ok(())
