@@ -131,31 +131,22 @@ fn reversed_triangles_are_turned_back() {
             }
         }
         let found = mend(&wrong, &RepairSettings::default());
-        assert_eq!(found.report.count(Action::Reversed) == 0, reversed == 0);
         assert_eq!(bits(&found.file.positions), bits(&whole.positions));
-        let sorted = |triangles: &[[u32; 3]]| {
-            let sorted = triangles.iter().map(|&triangle| {
-                let mut triangle = triangle;
-                triangle.sort_unstable();
-                triangle
-            });
-            Vec::from_iter(sorted)
-        };
-        assert_eq!(
-            sorted(found.file.mesh.triangles()),
-            sorted(&whole.triangles)
-        );
+        let volume = Surface::new(&found.file.mesh, &found.file.positions)
+            .unwrap()
+            .volume();
+        if found.report.count(Action::Reversed) == reversed {
+            assert_eq!(found.file.mesh.triangles(), whole.triangles);
+        } else {
+            // The sphere that is inside out: a closed component that is changed is turned outwards.
+            assert_eq!(
+                found.report.count(Action::Reversed),
+                whole.triangles.len() - reversed
+            );
+            assert!(volume.unwrap() > 0.0);
+        }
         let taken = Vec::from_iter(found.report.taken().map(|(action, _)| action));
         assert_eq!(taken, [Action::Reversed]);
-        if let Some(volume) = Surface::new(&found.file.mesh, &found.file.positions)
-            .unwrap()
-            .volume()
-        {
-            assert!(
-                volume > 0.0,
-                "a closed component that was changed is turned outwards"
-            );
-        }
     }
 }
 
@@ -217,6 +208,16 @@ fn each_action_is_counted() {
         soup.triangles.extend([[b, c, a], [d, f, e]]);
     });
     assert_eq!(taken(&duplicates), [(Action::Duplicates, 2)]);
+    // The fewer are reversed, also if the first is among them.
+    let flat = soup_of(&sheet(3));
+    let mut reversed = flat.clone();
+    reversed.triangles[0].swap(1, 2);
+    let found = mend(&reversed, &RepairSettings::default());
+    assert_eq!(
+        Vec::from_iter(found.report.taken()),
+        [(Action::Reversed, 1)]
+    );
+    assert_eq!(found.file.mesh.triangles(), flat.triangles);
     // A fin on an edge.
     let fin = with(&|soup| {
         let [a, b, _] = soup.triangles[0];
@@ -367,6 +368,33 @@ fn bodies_that_touch_along_an_edge_come_apart() {
     assert!((surface.volume().unwrap() - 2.0 * single).abs() < 1e-15);
 }
 
+/// Two cubes that share a row of edges: either choice of neighbours is a manifold there, and one has two bodies.
+#[test]
+fn bodies_that_touch_along_a_row_of_edges_come_apart() {
+    let cube = cubes(&[[0, 0, 0]], 3);
+    let mirrored = cube.map(|[x, y, z]| [-x, -y, z]);
+    let mut shared = together(&[&cube, &mirrored]);
+    let first = |position: &[f64; 3]| shared.positions.iter().position(|other| other == position);
+    let names = shared
+        .positions
+        .iter()
+        .map(|position| first(position).unwrap() as u32);
+    let names = Vec::from_iter(names);
+    for corner in shared.triangles.as_flattened_mut() {
+        *corner = names[*corner as usize];
+    }
+    let found = mend(
+        &shared,
+        &RepairSettings {
+            drop_unused: true,
+            ..RepairSettings::default()
+        },
+    );
+    assert_eq!(found.report.count(Action::Edges), 3);
+    assert_eq!(found.file.mesh.components().1, 2);
+    assert_eq!(found.file.positions.len(), shared.positions.len());
+}
+
 /// Sheets that cross in an edge stay flat.
 #[test]
 fn sheets_that_cross_stay_flat() {
@@ -385,6 +413,76 @@ fn sheets_that_cross_stay_flat() {
     let surface = Surface::new(&found.file.mesh, &found.file.positions).unwrap();
     let [a, b, c, d] = [0, 1, 2, 3].map(|triangle| surface.triangle_normal(triangle));
     assert!(norm(difference(a, b)) < 1e-15 && norm(difference(c, d)) < 1e-15);
+}
+
+/// Two bent sheets that touch along an edge are valid, and welding does not make them cross.
+#[test]
+fn welding_leaves_neighbours_together() {
+    let positions = vec![
+        [0.0, 0.0, 0.0],
+        [0.0, 0.0, 1.0],
+        [1.0, 0.0, 0.5],
+        [0.5, 0.9, 0.5],
+        [0.0, 0.0, 0.0],
+        [0.0, 0.0, 1.0],
+        [-1.0, 0.0, 0.5],
+        [-0.5, -0.9, 0.5],
+    ];
+    let bent = soup(positions, vec![[0, 1, 2], [1, 0, 3], [5, 4, 6], [4, 5, 7]]);
+    let found = mend(&bent, &WELDED);
+    assert!(found.report.is_empty(), "{}", found.report);
+    assert_eq!(found.file.mesh.triangles(), bent.triangles);
+}
+
+/// Two cups with a common edge, whose border is a square: the diagonal of the square is that edge. A hole at a vertex
+/// where another surface touches stays, too.
+#[test]
+fn holes_that_would_break_the_mesh_are_left() {
+    let positions = vec![
+        [0.0, 0.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [1.0, 1.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [0.7, 0.3, -3.0],
+        [0.3, 0.7, -3.0],
+    ];
+    let cups = vec![
+        [1, 0, 4],
+        [2, 1, 4],
+        [3, 2, 5],
+        [0, 3, 5],
+        [0, 2, 4],
+        [2, 0, 5],
+    ];
+    let settings = RepairSettings {
+        fill: 4,
+        weld: Some(0.0),
+        ..RepairSettings::default()
+    };
+    let found = mend(&soup(positions, cups), &settings);
+    assert!(found.report.is_empty(), "{}", found.report);
+    assert_eq!(found.report.holes_left, 1);
+
+    let sphere = icosphere(1);
+    let x = 2.0 * sphere.positions[0][0];
+    let other = sphere.map(|p| [x - p[0], p[1], p[2]]);
+    let mut touching = together(&[&sphere, &other]);
+    let hole = touching
+        .triangles
+        .iter()
+        .position(|triangle| triangle.contains(&0));
+    touching.triangles.remove(hole.unwrap());
+    for triangle in &mut touching.triangles[sphere.connectivity.triangles().len() - 1..] {
+        triangle.swap(1, 2);
+    }
+    let found = mend(&touching, &settings);
+    assert!(found.report.is_empty(), "{}", found.report);
+    assert_eq!(found.report.holes_left, 1);
+    let apart = RepairSettings {
+        weld: None,
+        ..settings
+    };
+    assert_eq!(mend(&touching, &apart).report.count(Action::Filled), 1);
 }
 
 /// Holes are filled, outlines are not.
@@ -434,10 +532,11 @@ fn small_holes_are_filled() {
 #[test]
 fn slivers_are_removed() {
     let sphere = icosphere(2);
-    let settings = RepairSettings {
-        slivers: 5.0,
+    let settings_of = |slivers: f64| RepairSettings {
+        slivers,
         ..RepairSettings::default()
     };
+    let settings = settings_of(5.0);
     assert!(mend(&soup_of(&sphere), &settings).report.is_empty());
     let smallest = |found: &Repaired| {
         let surface = Surface::new(&found.file.mesh, &found.file.positions).unwrap();
@@ -476,6 +575,16 @@ fn slivers_are_removed() {
             assert!((after / before - 1.0).abs() < 0.01, "{before} {after}");
         }
     }
+    // A flip at a fold would turn a triangle over.
+    let fold = vec![
+        [0.0; 3],
+        [1.0, 0.0, 0.0],
+        [0.5, 0.05, 1e-3],
+        [0.5, 0.8, 0.0],
+    ];
+    let found = mend(&soup(fold, vec![[0, 1, 2], [1, 0, 3]]), &settings_of(10.0)).report;
+    assert!(found.is_empty(), "{found}");
+    assert_eq!(found.slivers_left, 1);
     // The border stays: a sliver there is told, and left.
     let thin = soup(
         vec![[0.0; 3], [1.0, 0.0, 0.0], [0.5, 1e-3, 0.0]],
@@ -632,6 +741,30 @@ proptest! {
             Err(RepairError::NothingLeft { .. }) => {}
             Err(error) => prop_assert!(false, "{error}"),
         }
+    }
+
+    /// Slivers are removed from any mesh, and what is left is a mesh with the same border.
+    #[test]
+    fn removing_slivers_keeps_the_border(soup in triangles(), slivers in 1.0..60.0) {
+        let Ok(mesh) = repair(soup, &RepairSettings::default()) else { return Ok(()) };
+        let settings = RepairSettings { slivers, ..RepairSettings::default() };
+        let found = mend(&again(&mesh), &settings);
+        let border = |repaired: &Repaired| {
+            let mesh = &repaired.file.mesh;
+            let edges = mesh.edges().iter().enumerate();
+            let border = edges.filter(|&(edge, _)| mesh.edge_triangles(edge).1.is_none());
+            let ends = border.map(|(_, ends)| {
+                let mut ends = ends.map(|vertex| repaired.vertex_of[vertex as usize]);
+                ends.sort_unstable();
+                ends
+            });
+            ends.collect::<std::collections::BTreeSet<_>>()
+        };
+        let all = Vec::from_iter(0..mesh.file.positions.len() as u32);
+        let before = Repaired { vertex_of: all, ..mesh };
+        prop_assert_eq!(border(&found), border(&before));
+        let second = mend(&again(&found), &settings);
+        prop_assert!(second.report.is_empty(), "{}", second.report);
     }
 
     /// Splitting moves nothing, and keeps all triangles with three different corners; each once.
