@@ -6,6 +6,7 @@
 
 mod curvature;
 mod recommend;
+mod repair;
 pub mod study;
 pub mod terminal;
 
@@ -27,6 +28,7 @@ use helfrich_std::simulation::{Simulation, build};
 use helfrich_std::subdivide::{Target, subdivide};
 use helfrich_std::sweep::{Outcome, Sweep, Vary};
 use recommend::{RecommendArguments, recommend_method};
+use repair::{RepairArguments, repair_file};
 use std::alloc::System;
 use std::fs;
 use std::num::NonZeroUsize;
@@ -71,6 +73,12 @@ enum Command {
     Curvature(CurvatureArguments),
     /// Show counts, topology, area, volume and quality of a mesh file.
     Info(MeshArguments),
+    /// Make a mesh of a file that others refuse, and say what was changed.
+    ///
+    /// Faces that are no triangles, repeated corners, duplicates, edges with three or more triangles,
+    /// contradicting orientations, surfaces with one side, and vertices where surfaces only touch are always
+    /// repaired; everything else only on request. A valid mesh keeps every bit, and a second repair finds nothing.
+    Repair(RepairArguments),
     /// Refine a mesh file by Loop's rules: four triangles for each triangle and level.
     Subdivide(SubdivideArguments),
     /// Run a scene: surfaces, the effects that act on each, and a driver that moves them.
@@ -284,6 +292,7 @@ pub fn program_with(methods: &[OwnMethod]) -> ExitCode {
         Command::Recommend(arguments) => arguments.threads.run(|| recommend_method(&arguments)),
         Command::Curvature(arguments) => arguments.threads.run(|| curvature(&arguments)),
         Command::Info(arguments) => info(&arguments),
+        Command::Repair(arguments) => repair_file(&arguments),
         Command::Subdivide(arguments) => subdivide_file(&arguments),
         Command::Run(arguments) => arguments.scene.threads.run(|| run_scene(&arguments)),
         Command::Sweep(arguments) => arguments.scene.threads.run(|| sweep(&arguments)),
@@ -389,7 +398,12 @@ fn subdivide_file(arguments: &SubdivideArguments) -> Result<(), Failure> {
     let fine = subdivide(file, arguments.levels, target).map_err(|error| {
         Failure::Input(format!("{}: {error}", arguments.input.mesh.display()).into())
     })?;
-    write(&arguments.output, &fine.positions, &fine.mesh).map_err(|error| match error {
+    saved(write(&arguments.output, &fine.positions, &fine.mesh))
+}
+
+/// The failure of a mesh file that was not written.
+fn saved(written: Result<(), WriteError>) -> Result<(), Failure> {
+    written.map_err(|error| match error {
         WriteError::Unwritable { .. } => Failure::Output(error.to_string()),
         _ => Failure::input(error),
     })

@@ -23,6 +23,7 @@ mod lost;
 mod manual;
 mod page;
 mod recommend;
+mod repair;
 mod resume;
 mod run;
 mod scenes;
