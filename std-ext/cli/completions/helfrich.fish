@@ -96,7 +96,7 @@ complete -c helfrich -n "__fish_helfrich_using_subcommand repair" -l weld -d 'Me
 complete -c helfrich -n "__fish_helfrich_using_subcommand repair" -l sheets -d 'Sheets to keep at edges with three or more triangles: `split` keeps all, `largest` the one with the largest area' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand repair" -l fill -d 'Fill holes with at most this number of edges. Borders that span more than half of the area of their component are outlines, and stay' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand repair" -l slivers -d 'Remove triangles with an angle below this one, in degrees, by flips and collapses of edges' -r
-complete -c helfrich -n "__fish_helfrich_using_subcommand repair" -s o -l output -d 'Output file; the extension `.obj`, `.off`, `.stl`, `.ply` or `.vtp` determines the format. Numbers at vertices and faces of PLY and VTP files are kept in `.vtp`' -r -F
+complete -c helfrich -n "__fish_helfrich_using_subcommand repair" -s o -l output -d 'Output file; its ending determines the format: .obj, .off, .stl, .ply, .vtp and .glb. Numbers at vertices and faces are kept in .vtp' -r -F
 complete -c helfrich -n "__fish_helfrich_using_subcommand repair" -l outward -d 'Turn closed components that are inside out, even if they are valid'
 complete -c helfrich -n "__fish_helfrich_using_subcommand repair" -l drop-unused -d 'Leave out vertices in no triangle of the file, too'
 complete -c helfrich -n "__fish_helfrich_using_subcommand repair" -s h -l help -d 'Print help (see more with \'--help\')'

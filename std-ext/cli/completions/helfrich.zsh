@@ -102,13 +102,13 @@ _arguments "${_arguments_options[@]}" : \
 '--sheets=[Sheets to keep at edges with three or more triangles\: \`split\` keeps all, \`largest\` the one with the largest area]:SHEETS:_default' \
 '--fill=[Fill holes with at most this number of edges. Borders that span more than half of the area of their component are outlines, and stay]:EDGES:_default' \
 '--slivers=[Remove triangles with an angle below this one, in degrees, by flips and collapses of edges]:DEGREES:_default' \
-'-o+[Output file; the extension \`.obj\`, \`.off\`, \`.stl\`, \`.ply\` or \`.vtp\` determines the format. Numbers at vertices and faces of PLY and VTP files are kept in \`.vtp\`]:OUTPUT:_files' \
-'--output=[Output file; the extension \`.obj\`, \`.off\`, \`.stl\`, \`.ply\` or \`.vtp\` determines the format. Numbers at vertices and faces of PLY and VTP files are kept in \`.vtp\`]:OUTPUT:_files' \
+'-o+[Output file; its ending determines the format\: .obj, .off, .stl, .ply, .vtp and .glb. Numbers at vertices and faces are kept in .vtp]:OUTPUT:_files' \
+'--output=[Output file; its ending determines the format\: .obj, .off, .stl, .ply, .vtp and .glb. Numbers at vertices and faces are kept in .vtp]:OUTPUT:_files' \
 '--outward[Turn closed components that are inside out, even if they are valid]' \
 '--drop-unused[Leave out vertices in no triangle of the file, too]' \
 '-h[Print help (see more with '\''--help'\'')]' \
 '--help[Print help (see more with '\''--help'\'')]' \
-':mesh -- OBJ, OFF, STL, PLY or VTP file:_files' \
+':mesh -- Mesh file\: .obj, .off, .stl, .ply, .vtp, .vtu, .vtk, .glb, .gltf, .msh, .gii and .3mf, also compressed as .gz:_files' \
 && ret=0
 ;;
 (subdivide)
