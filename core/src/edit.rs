@@ -81,6 +81,16 @@ pub struct Edited {
     pub vertices: Vec<u32>,
 }
 
+impl Edited {
+    fn new(triangles: Vec<[u32; 3]>, vertices: Vec<u32>) -> Self {
+        let mesh = TriangleMesh::new(vertices.len(), triangles);
+        Self {
+            mesh: mesh.expect("every operation leaves an oriented manifold"),
+            vertices,
+        }
+    }
+}
+
 impl EditableMesh {
     /// A mesh to be edited, without kept lines and fixed vertices.
     pub fn new(mesh: &TriangleMesh) -> Self {
@@ -543,9 +553,7 @@ impl EditableMesh {
         }
         let used = self.triangles.iter().filter(|corners| corners[0] != NONE);
         let triangles = used.map(|corners| corners.map(|corner| numbers[corner as usize]));
-        let mesh = TriangleMesh::new(vertices.len(), triangles.collect());
-        let mesh = mesh.expect("every operation leaves an oriented manifold");
-        Edited { mesh, vertices }
+        Edited::new(triangles.collect(), vertices)
     }
 
     /// The mesh cut along its kept edges. Triangles have the same order and corners; of a vertex where lines pass, each
@@ -574,11 +582,7 @@ impl EditableMesh {
             .triangles
             .into_iter()
             .filter(|corners| corners[0] != NONE);
-        let mesh = TriangleMesh::new(copies.len(), used.collect());
-        Edited {
-            mesh: mesh.expect("cuts leave an oriented manifold"),
-            vertices: copies,
-        }
+        Edited::new(used.collect(), copies)
     }
 
     fn corner_between(&self, triangle: u32, tail: u32, head: u32) -> u32 {

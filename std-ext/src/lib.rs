@@ -5,7 +5,8 @@
 //!   [`subdivide`]: refined meshes.
 //! * [`method`] and [`scalar`]: the bending methods and number types, chosen at run time.
 //!   [`info`]: properties of a mesh. [`orientation`]: components
-//!   that are inside out. [`polygon`]: polygons divided into triangles.
+//!   that are inside out. [`polygon`]: polygons divided into triangles. [`repair`]: meshes made of
+//!   triangles that are none.
 //! * [`measurement`]: curvatures with error bars, by jets that choose their scale from the noise.
 //! * [`execute`]: threads and wide vectors for the core's loops.
 //! * [`study`]: accuracy and cost of the methods; [`verdict`]: whether they converge;
@@ -30,7 +31,9 @@ pub use helfrich_draw::picture;
 pub use helfrich_evaluate::{
     checked, contact, effect, execute, held, method, noise, ordered, remesh, scalar,
 };
-pub use helfrich_mesh::{enclosure, generate, info, io, orientation, polygon, section, subdivide};
+pub use helfrich_mesh::{
+    enclosure, generate, info, io, orientation, polygon, repair, section, subdivide,
+};
 pub use helfrich_run::{checkpoint, lock, plots, run, sweep};
 pub use helfrich_scene::{scene, series, simulation};
 pub use helfrich_solve::{deformation, dynamics, flow};

@@ -3,10 +3,14 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use helfrich::{TriangleMesh, VertexKind};
-use helfrich_std::io::{ColumnPlace, Format, ParseError, parse, parse_with_columns};
+use helfrich_std::io::{
+    Column, ColumnPlace, Format, ParseError, parse, parse_soup, parse_with_columns,
+};
+use helfrich_std::repair::Soup;
 
 /// Parses bytes. If they are accepted, positions must be finite, vertices must exist, and columns must
-/// have one number per vertex.
+/// have one number per vertex. If they are refused, the same holds for the triangles that are read for a repair, except
+/// that positions need not be finite.
 ///
 /// # Panics
 /// If this does not hold, or if the message of an error is not a single line.
@@ -32,7 +36,26 @@ pub fn check_reader(bytes: &[u8], format: Format) {
                 Err(error) => check_message(&error),
             }
         }
-        Err(error) => check_message(&error),
+        Err(error) => {
+            check_message(&error);
+            match parse_soup(bytes, format) {
+                Ok((soup, columns)) => check_soup(&soup, &columns),
+                Err(error) => check_message(&error),
+            }
+        }
+    }
+}
+
+fn check_soup(soup: &Soup, columns: &[Column]) {
+    let (vertices, triangles) = (soup.positions.len(), soup.triangles.len());
+    let mut corners = soup.triangles.iter().flatten();
+    assert!(corners.all(|&vertex| (vertex as usize) < vertices));
+    for column in columns {
+        let length = match column.place {
+            ColumnPlace::Vertices => vertices,
+            ColumnPlace::Triangles => triangles,
+        };
+        assert_eq!(column.values.len(), length);
     }
 }
 

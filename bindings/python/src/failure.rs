@@ -3,6 +3,7 @@
 use helfrich::{MeshError, SurfaceError};
 use helfrich_std::generate::GenerateError;
 use helfrich_std::io::{Problem, ReadError, WriteError};
+use helfrich_std::repair::is_repairable;
 use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -62,7 +63,11 @@ impl Fault {
 
 impl From<MeshError> for Fault {
     fn from(error: MeshError) -> Self {
-        let mut fault = Self::new(error);
+        let mut fault = if is_repairable(&error) {
+            Self::new(format_args!("{error}: helfrich.repair(V, F) mends it"))
+        } else {
+            Self::new(error)
+        };
         match error {
             MeshError::VertexOutOfRange {
                 triangle, vertex, ..
@@ -100,10 +105,13 @@ impl From<SurfaceError> for Fault {
             }
             _ => None,
         };
-        Self {
-            vertex,
-            ..Self::new(error)
-        }
+        let fault = match error {
+            SurfaceError::NotFinite { .. } => Self::new(format_args!(
+                "{error}: helfrich.repair(V, F) leaves its faces out"
+            )),
+            _ => Self::new(error),
+        };
+        Self { vertex, ..fault }
     }
 }
 
@@ -141,12 +149,20 @@ pub(crate) fn unreadable(error: &ReadError) -> PyErr {
             pyo3::exceptions::PyIsADirectoryError::new_err(error.to_string())
         }
         ReadError::Unreadable { .. } => PyOSError::new_err(error.to_string()),
-        ReadError::Parse { error: parsed, .. } => {
+        ReadError::Parse {
+            path,
+            error: parsed,
+        } => {
             let place = match parsed.problem {
                 Problem::Mesh { error } => Fault::from(error),
                 _ => Fault::default(),
             };
-            let message = error.to_string();
+            let path = path.display();
+            let message = if parsed.is_repairable() {
+                format!("{path}: {parsed}: helfrich.repair(path) mends it")
+            } else {
+                error.to_string()
+            };
             Fault { message, ..place }.into()
         }
         _ => invalid(error),

@@ -63,7 +63,9 @@ mod _helfrich {
     #[pymodule_export]
     use super::membrane::Membrane;
     #[pymodule_export]
-    use super::meshes::{divided, inspect, read, shape, subdivide, weld, write};
+    use super::meshes::{
+        divided, inspect, read, repair, repair_file, shape, subdivide, weld, write,
+    };
     #[pymodule_export]
     use super::operators::{gradient, laplacian, stiffness};
     #[pymodule_export]

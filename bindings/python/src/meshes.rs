@@ -9,6 +9,7 @@ use helfrich_std::info::MeshInfo;
 use helfrich_std::io::{self, MeshFile, PointField, PointValues, Welded};
 use helfrich_std::noise::noise_seen;
 use helfrich_std::polygon;
+use helfrich_std::repair::{self as mending, NEW, RepairError, RepairSettings, Soup};
 use helfrich_std::subdivide as refinement;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyOSError;
@@ -184,6 +185,103 @@ pub(crate) fn weld<'py>(
     let Welded { file, vertices } = welded.map_err(Fault::from)?;
     let merged = arrays(py, file.positions, &file.mesh)?;
     Ok((merged, PyArray1::from_vec(py, vertices)))
+}
+
+/// The arrays of a repaired mesh, their vertices and faces before it, and the report: the actions with their names,
+/// words and counts, and what is left.
+type Mended<'py> = (
+    Arrays<'py>,
+    (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<i64>>),
+    Vec<(&'static str, usize)>,
+    (usize, usize, String),
+);
+
+/// Repairs triangles that need not form a mesh.
+#[pyfunction]
+#[pyo3(signature = (positions, faces, *, weld, sheets, fill, slivers, outward, drop_unused))]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "the arguments of the function in Python"
+)]
+pub(crate) fn repair<'py>(
+    py: Python<'py>,
+    positions: &Bound<'py, PyAny>,
+    faces: &Bound<'py, PyAny>,
+    weld: Option<f64>,
+    sheets: &str,
+    fill: usize,
+    slivers: f64,
+    outward: bool,
+    drop_unused: bool,
+) -> PyResult<Mended<'py>> {
+    let settings = RepairSettings {
+        weld,
+        sheets: sheets.parse().map_err(invalid)?,
+        fill,
+        slivers,
+        outward,
+        drop_unused,
+    };
+    let mut input = Input::new(positions, faces)?;
+    let soup = Soup {
+        triangles: input.take_faces(),
+        positions: input.positions.double().into_owned(),
+        short_faces: 0,
+    };
+    mended(py, soup, settings)
+}
+
+/// Repairs the triangles of a file.
+#[pyfunction]
+#[pyo3(signature = (path, *, weld, sheets, fill, slivers, outward, drop_unused))]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "the arguments of the function in Python"
+)]
+pub(crate) fn repair_file<'py>(
+    py: Python<'py>,
+    path: PathBuf,
+    weld: Option<f64>,
+    sheets: &str,
+    fill: usize,
+    slivers: f64,
+    outward: bool,
+    drop_unused: bool,
+) -> PyResult<Mended<'py>> {
+    let settings = RepairSettings {
+        weld,
+        sheets: sheets.parse().map_err(invalid)?,
+        fill,
+        slivers,
+        outward,
+        drop_unused,
+    };
+    let soup = on_threads(py, None, || io::read_soup(&path))?;
+    let (soup, _) = soup.map_err(|error| unreadable(&error))?;
+    mended(py, soup, settings)
+}
+
+fn mended(py: Python<'_>, soup: Soup, settings: RepairSettings) -> PyResult<Mended<'_>> {
+    let repaired = on_threads(py, None, || mending::repair(soup, &settings))?;
+    let repaired = repaired.map_err(|error| match error {
+        RepairError::Mesh(error) => Fault::from(error),
+        error => Fault::new(error),
+    })?;
+    let numbers = |origins: &[u32]| {
+        let number = |&origin: &u32| match origin {
+            NEW => -1,
+            origin => i64::from(origin),
+        };
+        PyArray1::from_vec(py, origins.iter().map(number).collect())
+    };
+    let origins = (numbers(&repaired.vertex_of), numbers(&repaired.triangle_of));
+    let report = repaired.report;
+    let taken = report.taken().map(|(action, count)| (action.key(), count));
+    let taken = Vec::from_iter(taken);
+    let left = (report.holes_left, report.slivers_left, report.to_string());
+    let file = repaired.file;
+    let arrays = arrays(py, file.positions, &file.mesh)?;
+    Ok((arrays, origins, taken, left))
 }
 
 /// The triangles (m, 3) into which polygons are divided: `corners` has those of all, one polygon after the other,

@@ -20,6 +20,7 @@ SEVERAL = np.ones(3)
 WHOLE = [-1, 2**70, HUGE, 1.5, NAN, "3", True, SEVERAL, object()]
 NUMBER = [NAN, INF, -INF, HUGE, 1j, "1", None, True, SEVERAL, object(), np.ma.masked]
 LENGTH = [-1.0, *NUMBER]
+LENGTH_OR_NONE = [value for value in LENGTH if value is not None]
 TEXT = [3, b"j6", ["j6"], LONG, LONE, "", "nonsense", object()]
 FLAG = [1, "no", None, SEVERAL, object()]
 PATH = [3, ["a"], "a\0b", object()]
@@ -59,6 +60,12 @@ def of_mesh(call, large=V * 1e300):
         yield r"\bF\b|vertex|triangle|face", value, lambda value=value: call(V, value)
 
 
+def is_repairable(value):
+    """Whether positions are wrong in their numbers only."""
+    is_array = isinstance(value, np.ndarray) and not isinstance(value, np.ma.MaskedArray)
+    return is_array and value.shape == V.shape and value.dtype == V.dtype
+
+
 def of(name, values, call):
     for value in values:
         yield rf"\b(?:{name})\b", value, lambda value=value: call(value)
@@ -89,6 +96,17 @@ CALLS = {
         # Any finite positions can be welded.
         of_mesh(h.weld, large=broken_at(7)),
         of("distance", LENGTH, lambda value: h.weld(V, F, distance=value)),
+    ],
+    "repair": [
+        # Faces with positions that are not finite are left out.
+        [case for case in of_mesh(h.repair, large=V[:3]) if not is_repairable(case[1])],
+        of("weld", LENGTH_OR_NONE, lambda value: h.repair(V, F, weld=value)),
+        of("sheets", [None, *TEXT], lambda value: h.repair(V, F, sheets=value)),
+        of("fill", [None, *WHOLE], lambda value: h.repair(V, F, fill=value)),
+        of("slivers", [60.5, *LENGTH], lambda value: h.repair(V, F, slivers=value)),
+        of("outward", FLAG, lambda value: h.repair(V, F, outward=value)),
+        of("drop_unused", FLAG, lambda value: h.repair(V, F, drop_unused=value)),
+        of("V|file|nowhere", [b"nowhere.ply", "nowhere.ply", "a\0b"], h.repair),
     ],
     "curvature": [
         of_mesh(h.curvature),

@@ -224,7 +224,9 @@ impl<'a, T: Real> Ground<'a, T> {
                     }
                 }
             }
-            if !(least < before) {
+            // A distance that is no number is none that is less.
+            let is_closer = least < before;
+            if !is_closer {
                 return here;
             }
         }

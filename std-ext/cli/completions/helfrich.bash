@@ -31,6 +31,9 @@ _helfrich() {
             helfrich,recommend)
                 cmd="helfrich__subcmd__recommend"
                 ;;
+            helfrich,repair)
+                cmd="helfrich__subcmd__repair"
+                ;;
             helfrich,run)
                 cmd="helfrich__subcmd__run"
                 ;;
@@ -61,6 +64,9 @@ _helfrich() {
             helfrich__subcmd__help,recommend)
                 cmd="helfrich__subcmd__help__subcmd__recommend"
                 ;;
+            helfrich__subcmd__help,repair)
+                cmd="helfrich__subcmd__help__subcmd__repair"
+                ;;
             helfrich__subcmd__help,run)
                 cmd="helfrich__subcmd__help__subcmd__run"
                 ;;
@@ -83,7 +89,7 @@ _helfrich() {
 
     case "${cmd}" in
         helfrich)
-            opts="-h -V --help --version study recommend curvature info subdivide run sweep scenes explain help"
+            opts="-h -V --help --version study recommend curvature info repair subdivide run sweep scenes explain help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 1 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -185,7 +191,7 @@ _helfrich() {
             return 0
             ;;
         helfrich__subcmd__help)
-            opts="study recommend curvature info subdivide run sweep scenes explain help"
+            opts="study recommend curvature info repair subdivide run sweep scenes explain help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -255,6 +261,20 @@ _helfrich() {
             return 0
             ;;
         helfrich__subcmd__help__subcmd__recommend)
+            opts=""
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 3 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        helfrich__subcmd__help__subcmd__repair)
             opts=""
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 3 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
@@ -400,6 +420,44 @@ _helfrich() {
                     return 0
                     ;;
                 --threads)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        helfrich__subcmd__repair)
+            opts="-o -h --weld --sheets --fill --slivers --outward --drop-unused --output --help"
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                --weld)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --sheets)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --fill)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --slivers)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --output)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                -o)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;

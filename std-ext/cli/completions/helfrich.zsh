@@ -96,6 +96,21 @@ _arguments "${_arguments_options[@]}" : \
 ':mesh -- Mesh file\: .obj, .off, .stl, .ply, .vtp, .vtu, .vtk, .glb, .gltf, .msh, .gii and .3mf, also compressed as .gz:_files' \
 && ret=0
 ;;
+(repair)
+_arguments "${_arguments_options[@]}" : \
+'--weld=[Merge vertices at exactly the same point, or at most a distance apart]::DISTANCE:_default' \
+'--sheets=[Sheets to keep at edges with three or more triangles\: \`split\` keeps all, \`largest\` the one with the largest area]:SHEETS:_default' \
+'--fill=[Fill holes with at most this number of edges. Borders that span more than half of the area of their component are outlines, and stay]:EDGES:_default' \
+'--slivers=[Remove triangles with an angle below this one, in degrees, by flips and collapses of edges]:DEGREES:_default' \
+'-o+[Output file; its ending determines the format\: .obj, .off, .stl, .ply, .vtp and .glb. Numbers at vertices and faces are kept in .vtp]:OUTPUT:_files' \
+'--output=[Output file; its ending determines the format\: .obj, .off, .stl, .ply, .vtp and .glb. Numbers at vertices and faces are kept in .vtp]:OUTPUT:_files' \
+'--outward[Turn closed components that are inside out, even if they are valid]' \
+'--drop-unused[Leave out vertices in no triangle of the file, too]' \
+'-h[Print help (see more with '\''--help'\'')]' \
+'--help[Print help (see more with '\''--help'\'')]' \
+':mesh -- Mesh file\: .obj, .off, .stl, .ply, .vtp, .vtu, .vtk, .glb, .gltf, .msh, .gii and .3mf, also compressed as .gz:_files' \
+&& ret=0
+;;
 (subdivide)
 _arguments "${_arguments_options[@]}" : \
 '--weld=[Merge vertices at exactly the same point, or at most a distance apart. Files from renderers often have separate vertices for each face]::DISTANCE:_default' \
@@ -178,6 +193,10 @@ _arguments "${_arguments_options[@]}" : \
 _arguments "${_arguments_options[@]}" : \
 && ret=0
 ;;
+(repair)
+_arguments "${_arguments_options[@]}" : \
+&& ret=0
+;;
 (subdivide)
 _arguments "${_arguments_options[@]}" : \
 && ret=0
@@ -218,6 +237,7 @@ _helfrich_commands() {
 'recommend:Recommend a method for a mesh file, by measurements on that mesh' \
 'curvature:Compute curvatures and force density at every vertex of a mesh file, as CSV or VTP' \
 'info:Show counts, topology, area, volume and quality of a mesh file' \
+'repair:Make a mesh of a file that others refuse, and say what was changed' \
 'subdivide:Refine a mesh file by Loop'\''s rules\: four triangles for each triangle and level' \
 'run:Run a scene\: surfaces, the effects that act on each, and a driver that moves them' \
 'sweep:Run a scene with every combination of given values, and compare the results' \
@@ -244,6 +264,7 @@ _helfrich__subcmd__help_commands() {
 'recommend:Recommend a method for a mesh file, by measurements on that mesh' \
 'curvature:Compute curvatures and force density at every vertex of a mesh file, as CSV or VTP' \
 'info:Show counts, topology, area, volume and quality of a mesh file' \
+'repair:Make a mesh of a file that others refuse, and say what was changed' \
 'subdivide:Refine a mesh file by Loop'\''s rules\: four triangles for each triangle and level' \
 'run:Run a scene\: surfaces, the effects that act on each, and a driver that moves them' \
 'sweep:Run a scene with every combination of given values, and compare the results' \
@@ -277,6 +298,11 @@ _helfrich__subcmd__help__subcmd__info_commands() {
 _helfrich__subcmd__help__subcmd__recommend_commands() {
     local commands; commands=()
     _describe -t commands 'helfrich help recommend commands' commands "$@"
+}
+(( $+functions[_helfrich__subcmd__help__subcmd__repair_commands] )) ||
+_helfrich__subcmd__help__subcmd__repair_commands() {
+    local commands; commands=()
+    _describe -t commands 'helfrich help repair commands' commands "$@"
 }
 (( $+functions[_helfrich__subcmd__help__subcmd__run_commands] )) ||
 _helfrich__subcmd__help__subcmd__run_commands() {
@@ -312,6 +338,11 @@ _helfrich__subcmd__info_commands() {
 _helfrich__subcmd__recommend_commands() {
     local commands; commands=()
     _describe -t commands 'helfrich recommend commands' commands "$@"
+}
+(( $+functions[_helfrich__subcmd__repair_commands] )) ||
+_helfrich__subcmd__repair_commands() {
+    local commands; commands=()
+    _describe -t commands 'helfrich repair commands' commands "$@"
 }
 (( $+functions[_helfrich__subcmd__run_commands] )) ||
 _helfrich__subcmd__run_commands() {

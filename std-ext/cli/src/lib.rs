@@ -8,18 +8,20 @@ mod columns;
 mod curvature;
 mod recommend;
 mod remesh;
+mod repair;
 pub mod study;
 pub mod terminal;
 
 use cap::Cap;
 use clap::{CommandFactory, Parser, Subcommand};
+use columns::saved;
 use curvature::{CurvatureArguments, curvature};
 use helfrich::{Bandwidth, DualArea, Finding, Surface};
 use helfrich_std::execute::{available_threads, with_threads};
 use helfrich_std::info::MeshInfo;
 use helfrich_std::io::{
-    Column, Format, MeshFile, WriteError, check_replaceable, is_same_file, read,
-    read_welded_within, read_with_columns, write,
+    Column, Format, MeshFile, check_replaceable, is_same_file, read, read_welded_within,
+    read_with_columns, write,
 };
 use helfrich_std::method::{AnyMethod, BendingMethod, MethodOptions, OwnMethod};
 use helfrich_std::noise::noise_seen;
@@ -31,6 +33,7 @@ use helfrich_std::subdivide::{Target, subdivide};
 use helfrich_std::sweep::{Outcome, Sweep, Vary};
 use recommend::{RecommendArguments, recommend_method};
 use remesh::{RemeshArguments, remesh_file};
+use repair::{RepairArguments, repair_file};
 use std::alloc::System;
 use std::fs;
 use std::num::NonZeroUsize;
@@ -80,6 +83,12 @@ enum Command {
     /// Vertices lie on polynomials fitted to the vertices of the file, so that curvatures of the new mesh are as accurate as
     /// those of the old one. Borders and creases keep their curves.
     Remesh(RemeshArguments),
+    /// Make a mesh of a file that others refuse, and say what was changed.
+    ///
+    /// Faces that are no triangles, repeated corners, duplicates, edges with three or more triangles,
+    /// contradicting orientations, surfaces with one side, and vertices where surfaces only touch are always
+    /// repaired; everything else only on request. A valid mesh keeps every bit, and a second repair finds nothing.
+    Repair(RepairArguments),
     /// Refine a mesh file by Loop's rules: four triangles for each triangle and level.
     Subdivide(SubdivideArguments),
     /// Run a scene: surfaces, the effects that act on each, and a driver that moves them.
@@ -294,6 +303,7 @@ pub fn program_with(methods: &[OwnMethod]) -> ExitCode {
         Command::Curvature(arguments) => arguments.threads.run(|| curvature(&arguments)),
         Command::Info(arguments) => info(&arguments),
         Command::Remesh(arguments) => arguments.threads.run(|| remesh_file(&arguments)),
+        Command::Repair(arguments) => repair_file(&arguments),
         Command::Subdivide(arguments) => subdivide_file(&arguments),
         Command::Run(arguments) => arguments.scene.threads.run(|| run_scene(&arguments)),
         Command::Sweep(arguments) => arguments.scene.threads.run(|| sweep(&arguments)),
@@ -411,10 +421,7 @@ fn subdivide_file(arguments: &SubdivideArguments) -> Result<(), Failure> {
     let fine = subdivide(file, arguments.levels, target).map_err(|error| {
         Failure::Input(format!("{}: {error}", arguments.input.mesh.display()).into())
     })?;
-    write(&arguments.output, &fine.positions, &fine.mesh).map_err(|error| match error {
-        WriteError::Unwritable { .. } => Failure::Output(error.to_string()),
-        _ => Failure::input(error),
-    })
+    saved(write(&arguments.output, &fine.positions, &fine.mesh))
 }
 
 /// Reads and prepares the scene of a file with its overrides, and prints its warnings.

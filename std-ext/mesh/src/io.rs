@@ -52,6 +52,7 @@ pub use sha256::sha256;
 pub use vti::{Grid, write_vti};
 pub use vtk::{PointField, PointValues, VtkError};
 pub use vtp::{Collection, CollectionEntry, write_vtp, write_vtp_with_cells};
+pub(crate) use weld::merged;
 pub use weld::{Welded, weld};
 pub use whole::{free_memory, read_whole, without_mark};
 pub use write::{WriteError, write, write_to, write_with_colours};
@@ -60,6 +61,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use crate::polygon::TooManyCorners;
+use crate::repair::{Soup, is_repairable};
 use budget::Budget;
 use builder::MeshBuilder;
 use helfrich::{MeshError, TriangleMesh};
@@ -139,7 +141,7 @@ pub enum ReadError {
         path: PathBuf,
     },
     /// The content is not a mesh.
-    #[error("{}: {error}", path.display())]
+    #[error("{}: {error}{}", path.display(), remedy(path, error))]
     Parse {
         /// The file.
         path: PathBuf,
@@ -147,13 +149,38 @@ pub enum ReadError {
         error: ParseError,
     },
     /// Vertices at the same point cannot be merged.
-    #[error("{}: {error} after vertices at the same point are merged", path.display())]
+    #[error(
+        "{}: {error} after vertices are merged: `helfrich repair --weld={distance:?} {} -o OUT` mends it",
+        path.display(), word(path)
+    )]
     Weld {
         /// The file.
         path: PathBuf,
+        /// The largest distance of vertices that are merged.
+        distance: f64,
         /// The reason.
         error: MeshError,
     },
+}
+
+/// The command that mends a file, if it can be mended.
+fn remedy(path: &Path, error: &ParseError) -> String {
+    if error.is_repairable() {
+        format!(": `helfrich repair {} -o OUT` mends it", word(path))
+    } else {
+        String::new()
+    }
+}
+
+/// A path as a word of a command.
+fn word(path: &Path) -> String {
+    let path = path.display().to_string();
+    let is_plain = |c: char| c.is_alphanumeric() || "/._-+,:@%=".contains(c);
+    if path.chars().all(is_plain) {
+        path
+    } else {
+        format!("'{}'", path.replace('\'', r"'\''"))
+    }
 }
 
 impl ReadError {
@@ -383,7 +410,7 @@ impl fmt::Display for Place {
 /// If the file cannot be read, if its format is unknown, or if its content is not an oriented manifold
 /// with finite coordinates; see [`ReadError`] and [`Problem`].
 pub fn read(path: &Path) -> Result<MeshFile, ReadError> {
-    let (file, _) = read_and(path, Columns::Skipped)?;
+    let (file, _) = read_and(path, Columns::Skipped, mesh_of)?;
     Ok(file)
 }
 
@@ -393,11 +420,23 @@ pub fn read(path: &Path) -> Result<MeshFile, ReadError> {
 /// # Errors
 /// As [`read`]; also if a column cannot be read.
 pub fn read_with_columns(path: &Path) -> Result<(MeshFile, Vec<Column>), ReadError> {
-    read_and(path, Columns::Read)
+    read_and(path, Columns::Read, mesh_of)
 }
 
-/// Reads a file, and parses it in its format.
-fn read_and(path: &Path, columns: Columns) -> Result<(MeshFile, Vec<Column>), ReadError> {
+/// Reads a mesh file as triangles that need not form a mesh, as [`parse_soup`].
+///
+/// # Errors
+/// If the file cannot be read, its format is unknown, or its content is not as [`parse_soup`] needs it.
+pub fn read_soup(path: &Path) -> Result<(Soup, Vec<Column>), ReadError> {
+    read_and(path, Columns::Read, soup_of)
+}
+
+/// Reads a file, unpacks it, and parses it in its format.
+fn read_and<T>(
+    path: &Path,
+    columns: Columns,
+    parse: impl FnOnce(&[u8], Format, Reading<'_>) -> Result<T, ParseError>,
+) -> Result<T, ReadError> {
     let bytes = read_whole(path, None).map_err(|error| {
         let path = path.to_owned();
         match error.kind() {
@@ -416,13 +455,9 @@ fn read_and(path: &Path, columns: Columns) -> Result<(MeshFile, Vec<Column>), Re
         .ok_or_else(|| ReadError::UnknownFormat {
             path: path.to_owned(),
         })?;
-    let reading = Reading {
-        columns,
-        unknown: Unknown::Refused,
-        length: bytes.len(),
-        folder: Some(path.parent().unwrap_or(Path::new(""))),
-    };
-    parse_and(&content, format, reading).map_err(refused)
+    let folder = Some(path.parent().unwrap_or(Path::new("")));
+    let reading = Reading::new(columns, &bytes, folder);
+    parse(&content, format, reading).map_err(refused)
 }
 
 /// Reads a mesh file, and merges vertices at the same point: [`MeshFile::welded`].
@@ -443,6 +478,7 @@ pub fn read_welded_within(path: &Path, distance: f64) -> Result<MeshFile, ReadEr
     let welded = file.welded_within(distance);
     let welded = welded.map_err(|error| ReadError::Weld {
         path: path.to_owned(),
+        distance,
         error,
     })?;
     Ok(MeshFile { left_out, ..welded })
@@ -487,49 +523,110 @@ struct Reading<'a> {
     folder: Option<&'a Path>,
 }
 
+impl<'a> Reading<'a> {
+    fn new(columns: Columns, bytes: &[u8], folder: Option<&'a Path>) -> Self {
+        Self {
+            columns,
+            unknown: Unknown::Refused,
+            length: bytes.len(),
+            folder,
+        }
+    }
+}
+
+/// The faces and columns of a file, before the faces are checked and vertices are left out.
+type Parsed = (MeshBuilder, Vec<Column>);
+
+fn parse_faces(bytes: &[u8], format: Format, reading: Reading<'_>) -> Result<Parsed, ParseError> {
+    if bytes.is_empty() {
+        return Err(Problem::EmptyFile.anywhere());
+    }
+    let text = without_mark(bytes);
+    match format {
+        Format::Obj => Ok((obj::parse(text, reading.unknown)?, Vec::new())),
+        Format::Off => Ok((off::parse(text, reading.unknown)?, Vec::new())),
+        Format::Stl => Ok((stl::parse(bytes, reading.unknown)?, Vec::new())),
+        Format::Ply => ply::parse(text, reading.columns, reading.unknown),
+        Format::Vtp | Format::Vtu => vtp::parse(text, reading),
+        Format::Vtk => legacy::parse(text, reading),
+        Format::Msh => msh::parse(text, reading),
+        Format::Gifti => gifti::parse(text, reading),
+        Format::ThreeMf => Ok((three_mf::parse(text, reading)?, Vec::new())),
+        Format::Gltf => Ok((gltf::parse(text, reading)?, Vec::new())),
+    }
+}
+
 fn parse_in_memory(
     bytes: &[u8],
     format: Format,
     columns: Columns,
 ) -> Result<(MeshFile, Vec<Column>), ParseError> {
-    let reading = Reading {
-        columns,
-        unknown: Unknown::Refused,
-        length: bytes.len(),
-        folder: None,
-    };
-    parse_and(&gzip::unpacked(bytes)?, format, reading)
+    let reading = Reading::new(columns, bytes, None);
+    mesh_of(&gzip::unpacked(bytes)?, format, reading)
 }
 
-fn parse_and(
+/// The mesh of the unpacked bytes of a file.
+fn mesh_of(
     bytes: &[u8],
     format: Format,
     reading: Reading<'_>,
 ) -> Result<(MeshFile, Vec<Column>), ParseError> {
-    if bytes.is_empty() {
-        return Err(Problem::EmptyFile.anywhere());
-    }
-    let text = without_mark(bytes);
     let parse = |unknown: Unknown| {
         let reading = Reading { unknown, ..reading };
-        match format {
-            Format::Obj => Ok((obj::parse(text, unknown)?, Vec::new())),
-            Format::Off => Ok((off::parse(text, unknown)?, Vec::new())),
-            Format::Stl => Ok((stl::parse(bytes)?, Vec::new())),
-            Format::Ply => ply::parse(text, reading.columns, unknown),
-            Format::Vtp | Format::Vtu => vtp::parse(text, reading),
-            Format::Vtk => legacy::parse(text, reading),
-            Format::Msh => msh::parse(text, reading),
-            Format::Gifti => gifti::parse(text, reading),
-            Format::ThreeMf => Ok((three_mf::parse(text, reading)?, Vec::new())),
-            Format::Gltf => Ok((gltf::parse(text, reading)?, Vec::new())),
-        }
+        let (builder, mut columns) = parse_faces(bytes, format, reading)?;
+        let (file, left_out) = builder.finish()?;
+        leave_out(&left_out, &mut columns);
+        retain_complete(
+            &mut columns,
+            file.positions.len(),
+            file.mesh.triangles().len(),
+        );
+        Ok((file, columns))
     };
     // Coordinates that are not finite matter only if a face has the vertex: the error of the first says where it is.
-    parse(Unknown::Refused).or_else(|refused| match refused.is_of_unknown_vertex() {
+    parse(Unknown::Refused).or_else(|refused: ParseError| match refused.is_of_unknown_vertex() {
         true => parse(Unknown::Kept).map_err(|_| refused),
         false => Err(refused),
     })
+}
+
+/// Parses the bytes of a mesh file, which may be compressed by gzip, as triangles that need not form a mesh, and the
+/// numbers at its vertices and triangles, for [`repair`](crate::repair::repair).
+///
+/// # Errors
+/// If the bytes are no vertices and faces in this format, or a face names a vertex that does not exist.
+pub fn parse_soup(bytes: &[u8], format: Format) -> Result<(Soup, Vec<Column>), ParseError> {
+    let reading = Reading::new(Columns::Read, bytes, None);
+    soup_of(&gzip::unpacked(bytes)?, format, reading)
+}
+
+/// The triangles of the unpacked bytes of a file.
+fn soup_of(
+    bytes: &[u8],
+    format: Format,
+    reading: Reading<'_>,
+) -> Result<(Soup, Vec<Column>), ParseError> {
+    let reading = Reading {
+        unknown: Unknown::Kept,
+        ..reading
+    };
+    let (builder, mut columns) = parse_faces(bytes, format, reading)?;
+    let (soup, left_out) = builder.soup()?;
+    leave_out(&left_out, &mut columns);
+    retain_complete(&mut columns, soup.positions.len(), soup.triangles.len());
+    Ok((soup, columns))
+}
+
+/// Removes columns without one number for each place: a header of PLY may declare vertices or faces twice, each
+/// time with other properties.
+fn retain_complete(columns: &mut Vec<Column>, vertices: usize, triangles: usize) {
+    columns.retain(|column| {
+        let places = match column.place {
+            ColumnPlace::Vertices => vertices,
+            ColumnPlace::Triangles => triangles,
+        };
+        column.values.len() == places
+    });
 }
 
 /// Whether coordinates that are not finite are errors where they are read, or kept until all faces are known.
@@ -540,6 +637,17 @@ enum Unknown {
 }
 
 impl ParseError {
+    /// Whether a [`repair`](crate::repair::repair) of the file's triangles makes a mesh of them.
+    pub fn is_repairable(&self) -> bool {
+        match &self.problem {
+            Problem::TooFewCorners { .. }
+            | Problem::RepeatedVertex { .. }
+            | Problem::NotFinite { .. } => true,
+            Problem::Mesh { error } => is_repairable(error),
+            _ => false,
+        }
+    }
+
     fn is_of_unknown_vertex(&self) -> bool {
         let is_vertex = |place: &Place| matches!(place.element, Some(Element::Vertex(_)));
         matches!(self.problem, Problem::NotFinite { .. }) && self.places.iter().all(is_vertex)

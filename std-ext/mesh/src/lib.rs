@@ -4,6 +4,7 @@
 //! * [`info`]: properties of a mesh. [`subdivide`]: refined meshes.
 //! * [`section`]: sections of a surface by a plane. [`enclosure`]: points inside closed surfaces.
 //! * [`orientation`]: components that are inside out. [`polygon`]: polygons divided into triangles.
+//! * [`repair`]: meshes made of triangles that are none.
 
 pub mod enclosure;
 pub mod generate;
@@ -11,5 +12,6 @@ pub mod info;
 pub mod io;
 pub mod orientation;
 pub mod polygon;
+pub mod repair;
 pub mod section;
 pub mod subdivide;

@@ -19,7 +19,7 @@ from ._curvatures import Curvature, Errors, Flag, curvature, gaussian_curvature,
 from ._errors import MeshError, MeshWarning
 from ._helfrich import METHODS, SCENES, __version__
 from ._membranes import Membrane, bending_energy, bending_force
-from ._meshes import Exact, Problem, Report, check, read, shape, subdivide, weld, write
+from ._meshes import Exact, Problem, Repaired, Report, check, read, repair, shape, subdivide, weld, write
 from ._operators import gradient, laplacian
 from ._scenes import Run, run
 from ._surfaces import Remeshed, Surface, SurfacePoints, remesh, surface
@@ -36,6 +36,7 @@ __all__ = [
     "MeshWarning",
     "Problem",
     "Recommendation",
+    "Repaired",
     "Report",
     "Run",
     "Surface",
@@ -52,6 +53,7 @@ __all__ = [
     "mean_curvature",
     "read",
     "recommend",
+    "repair",
     "run",
     "shape",
     "subdivide",

@@ -11,6 +11,7 @@ SCENES: List[str]
 __version__: str
 
 _Mesh = Tuple[np.ndarray, np.ndarray]
+_Mended = Tuple[_Mesh, Tuple[np.ndarray, np.ndarray], List[Tuple[str, int]], Tuple[int, int, str]]
 _Sparse = Tuple[np.ndarray, np.ndarray, np.ndarray]
 
 class Membrane:
@@ -34,6 +35,27 @@ def write(path: str, positions: Any, faces: Any, fields: Dict[str, np.ndarray]) 
 def shape(spec: str, vertices: int, family: str, seed: int) -> Tuple[_Mesh, Dict[str, Any]]: ...
 def inspect(positions: Any, faces: Any) -> Dict[str, Any]: ...
 def weld(positions: Any, faces: Any, distance: float) -> Tuple[_Mesh, np.ndarray]: ...
+def repair(
+    positions: Any,
+    faces: Any,
+    *,
+    weld: Optional[float],
+    sheets: str,
+    fill: int,
+    slivers: float,
+    outward: bool,
+    drop_unused: bool,
+) -> _Mended: ...
+def repair_file(
+    path: str,
+    *,
+    weld: Optional[float],
+    sheets: str,
+    fill: int,
+    slivers: float,
+    outward: bool,
+    drop_unused: bool,
+) -> _Mended: ...
 def divided(positions: Any, corners: np.ndarray, sizes: np.ndarray) -> np.ndarray: ...
 def subdivide(positions: Any, faces: Any, levels: int, limit: bool) -> _Mesh: ...
 def curvature(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass, field
-from typing import Any, List, NamedTuple, Optional, Tuple
+from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
@@ -274,6 +274,118 @@ def weld(
     V, F = both(V, F)
     (V, F), where = _helfrich.weld(V, F, _checks.length(distance, "distance"))
     return V, F, where
+
+
+@dataclass(frozen=True, repr=False)
+class Repaired:
+    """A mesh made by `repair`, and what was changed. It can be taken apart: `V, F = repaired`."""
+
+    vertices: np.ndarray
+    """Positions V (n, 3) float64."""
+    faces: np.ndarray
+    """Triangles F (m, 3) uint32."""
+    vertex_of: np.ndarray
+    """The vertex before the repair of each vertex, (n,) int64: `field[vertex_of]` carries a field over."""
+    face_of: np.ndarray
+    """The face before the repair of each face, (m,) int64; -1 where it fills a hole."""
+    actions: Dict[str, int]
+    """The changes with their numbers, such as {"bow_ties": 3}; empty if the mesh is the same. The guide to repair
+    has their names."""
+    holes_left: int
+    """Holes within the requested size that could not be filled."""
+    slivers_left: int
+    """Triangles with an angle below the requested one that could not be removed."""
+    text: str
+    """A line for each change."""
+
+    def __iter__(self) -> Iterator[np.ndarray]:
+        return iter((self.vertices, self.faces))
+
+    def __repr__(self) -> str:
+        lines = self.text.splitlines() or ["nothing was changed"]
+        size = f"{len(self.vertices)} vertices, {len(self.faces)} faces"
+        return f"Repaired({size}; {'; '.join(lines)})"
+
+
+def repair(
+    V: Any,
+    F: Any = None,
+    *,
+    weld: Optional[float] = None,
+    sheets: str = "split",
+    fill: int = 0,
+    slivers: float = 0.0,
+    outward: bool = False,
+    drop_unused: bool = False,
+) -> Repaired:
+    """Makes a mesh of triangles that are none, and says what was changed.
+
+    Repeated corners, duplicates, edges with three or more triangles, contradicting orientations, surfaces with one
+    side, and vertices where surfaces only touch are always repaired, and faces with positions that are not finite
+    left out. A valid mesh keeps every bit, and a second repair finds nothing.
+
+    Parameters
+    ----------
+    V, F
+        Positions and triangles, as in `curvature`, that need not form a mesh; or the path of a mesh file, as V
+        without F.
+    weld : float, optional
+        Merges vertices at most this far apart, with 0 those at the same point.
+    sheets : str
+        Sheets that are kept at edges with three or more triangles: "split" keeps all, "largest" the one with the
+        largest area.
+    fill : int
+        Fills holes with at most this number of edges.
+    slivers : float
+        Removes triangles with an angle below this one, in degrees from 0 to 60.
+    outward : bool
+        Turns closed components that are inside out, also where they are valid.
+    drop_unused : bool
+        Leaves out vertices that no triangle had before.
+
+    Returns
+    -------
+    Repaired
+        `vertices faces vertex_of face_of actions holes_left slivers_left`.
+
+    Raises
+    ------
+    MeshError
+        If no triangle is left, or one names a vertex that does not exist.
+    OSError
+        If the file cannot be read.
+    ValueError
+        If another argument is out of its range.
+
+    Examples
+    --------
+    >>> import helfrich, numpy
+    >>> V, F, _ = helfrich.shape("sphere", 42)
+    >>> broken = numpy.vstack([F, F[:1], [[3, 3, 4]]])
+    >>> repaired = helfrich.repair(V, broken)
+    >>> repaired.actions
+    {'repeated': 1, 'duplicates': 1}
+    >>> V, F = repaired
+    >>> helfrich.check(V, F).genus
+    0
+    """
+    settings: Dict[str, Any] = dict(
+        weld=None if weld is None else _checks.length(weld, "weld"),
+        sheets=_checks.text(sheets, "sheets"),
+        fill=_checks.whole(fill, "fill", 0, 2**32 - 1),
+        slivers=_checks.length(slivers, "slivers"),
+        outward=_checks.flag(outward, "outward"),
+        drop_unused=_checks.flag(drop_unused, "drop_unused"),
+    )
+    if settings["slivers"] > 60:
+        raise ValueError(f"slivers is {slivers}, above 60, the largest that the smallest angle of a triangle can be")
+    if F is None and isinstance(V, (str, bytes, os.PathLike)):
+        found = _helfrich.repair_file(_checks.path(V, "V"), **settings)
+    else:
+        V, F = both(V, F)
+        found = _helfrich.repair(V, F, **settings)
+    mesh, origins, actions, left = found
+    return Repaired(*mesh, *origins, dict(actions), *left)
 
 
 def subdivide(V: Any, F: Any = None, *, levels: int = 1, limit: bool = False) -> Mesh:

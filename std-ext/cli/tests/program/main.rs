@@ -24,6 +24,7 @@ mod manual;
 mod page;
 mod recommend;
 mod remesh;
+mod repair;
 mod resume;
 mod run;
 mod scenes;

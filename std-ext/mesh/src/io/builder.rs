@@ -4,6 +4,7 @@ use helfrich::{MeshError, TriangleMesh};
 
 use super::{Element, MeshFile, ParseError, Place, Position, Problem};
 use crate::polygon::triangulate;
+use crate::repair::Soup;
 
 /// Vertices and faces read so far, before they become a mesh.
 pub(super) struct MeshBuilder {
@@ -16,6 +17,10 @@ pub(super) struct MeshBuilder {
     origins: Vec<Origin>,
     /// The number of faces so far.
     faces: usize,
+    /// The number of faces with fewer than three corners, which have no triangle.
+    short_faces: usize,
+    /// The first face with fewer than three corners or a repeated one.
+    refused: Option<ParseError>,
     /// The number of the first vertex and the first face: 1 in OBJ, 0 elsewhere.
     first: usize,
     /// Whether vertices of no face are left out, because they are nodes of other cells.
@@ -41,6 +46,8 @@ impl MeshBuilder {
             polygons: Vec::new(),
             origins: Vec::new(),
             faces: 0,
+            short_faces: 0,
+            refused: None,
             first,
             leaves_out_unused: false,
         }
@@ -52,14 +59,9 @@ impl MeshBuilder {
     }
 
     /// Adds a triangle of a strip or a fan, in which triangles with a repeated corner join others.
-    pub(super) fn add_part(
-        &mut self,
-        triangle: [u32; 3],
-        position: Position,
-    ) -> Result<(), ParseError> {
-        match check_corners(&triangle) {
-            Ok(()) => self.add_face(&triangle, position),
-            Err(_) => Ok(()),
+    pub(super) fn add_part(&mut self, triangle: [u32; 3], position: Position) {
+        if check_corners(&triangle).is_ok() {
+            self.add_face(&triangle, position);
         }
     }
 
@@ -83,13 +85,16 @@ impl MeshBuilder {
     }
 
     /// Adds a face whose corners count vertices from 0; [`Self::finish`] checks that they exist.
-    pub(super) fn add_face(
-        &mut self,
-        corners: &[u32],
-        position: Position,
-    ) -> Result<(), ParseError> {
+    pub(super) fn add_face(&mut self, corners: &[u32], position: Position) {
         if let Err(problem) = check_corners(corners) {
-            return Err(problem.at(position, Some(self.next_face())));
+            let face = self.next_face();
+            self.refused
+                .get_or_insert_with(|| problem.at(position, Some(face)));
+        }
+        if corners.len() < 3 {
+            self.short_faces += 1;
+            self.faces += 1;
+            return;
         }
         self.add_origin(position, corners.len() == 3);
         if corners.len() > 3 {
@@ -100,11 +105,10 @@ impl MeshBuilder {
             self.triangles.push([corners[0], pair[0], pair[1]]);
         }
         self.faces += 1;
-        Ok(())
     }
 
-    /// Adds triangles up to the first one with a repeated corner, and returns their number. The first is
-    /// at the byte `start`, and the others follow at equal distances.
+    /// Adds triangles, and returns their number. The first is at the byte `start`, and the others follow at
+    /// equal distances.
     pub(super) fn add_triangles(
         &mut self,
         triangles: impl Iterator<Item = [u32; 3]>,
@@ -118,11 +122,22 @@ impl MeshBuilder {
             face: self.faces,
             step,
         });
-        self.triangles
-            .extend(triangles.take_while(|corners| check_corners(corners).is_ok()));
-        let added = self.triangles.len() - triangle;
-        self.faces += added;
-        added
+        self.triangles.extend(triangles);
+        let added = &self.triangles[triangle..];
+        let checks = added.iter().map(|corners| check_corners(corners));
+        let refused = checks
+            .enumerate()
+            .find_map(|(at, check)| Some((at, check.err()?)));
+        let count = added.len();
+        if let Some((at, problem)) = refused {
+            let place = self.place(triangle + at);
+            self.refused.get_or_insert(ParseError {
+                places: vec![place],
+                problem,
+            });
+        }
+        self.faces += count;
+        count
     }
 
     /// Reverses the orientation of the triangles from this one on.
@@ -174,20 +189,45 @@ impl MeshBuilder {
         }
     }
 
-    /// Leaves out vertices: see [`Self::finish_known`].
-    fn leave_out_unknown(&mut self) -> Result<Vec<bool>, ParseError> {
-        let is_known = |point: &[f64; 3]| point.iter().all(|x| x.is_finite());
-        if !self.leaves_out_unused && self.positions.iter().all(is_known) {
-            return Ok(Vec::new());
+    /// Whether each vertex is a node of other cells that no face has; nothing if such vertices are kept.
+    fn unneeded(&self) -> Vec<bool> {
+        // Without faces, nothing shows that a vertex is not needed.
+        if !self.leaves_out_unused || self.triangles.is_empty() {
+            return Vec::new();
         }
-        let mut left_out = Vec::from_iter(self.positions.iter().map(|point| !is_known(point)));
-        if self.leaves_out_unused {
-            let mut is_unused = vec![true; left_out.len()];
-            for &corner in self.triangles.as_flattened() {
-                is_unused[corner as usize] = false;
+        let mut is_unused = vec![true; self.positions.len()];
+        for &corner in self.triangles.as_flattened() {
+            is_unused[corner as usize] = false;
+        }
+        is_unused
+    }
+
+    /// Leaves out vertices that no face needs and whose coordinates are not finite, and returns whether each was left
+    /// out: see [`Self::finish`].
+    fn leave_out_unknown(&mut self) -> Result<Vec<bool>, ParseError> {
+        let mut left_out = self.unneeded();
+        let is_unknown = |point: &[f64; 3]| point.iter().any(|x| !x.is_finite());
+        if self.positions.iter().any(is_unknown) {
+            let unknown = Vec::from_iter(self.positions.iter().map(is_unknown));
+            let mut corners = self.triangles.as_flattened().iter();
+            if self.triangles.is_empty() || corners.any(|&corner| unknown[corner as usize]) {
+                let problem = Problem::NotFinite {
+                    axis: 'x',
+                    found: "not finite".to_owned(),
+                };
+                return Err(problem.anywhere());
             }
-            let both = left_out.iter_mut().zip(is_unused);
-            both.for_each(|(left_out, is_unused)| *left_out |= is_unused);
+            left_out.resize(unknown.len(), false);
+            let both = left_out.iter_mut().zip(unknown);
+            both.for_each(|(left_out, is_unknown)| *left_out |= is_unknown);
+        }
+        Ok(self.leave_out(left_out))
+    }
+
+    /// Leaves out vertices of no triangle, and returns the list, empty if there are none.
+    fn leave_out(&mut self, left_out: Vec<bool>) -> Vec<bool> {
+        if !left_out.contains(&true) {
+            return Vec::new();
         }
         let mut before = 0;
         let numbers = left_out.iter().map(|&is_left_out| {
@@ -196,22 +236,13 @@ impl MeshBuilder {
             number
         });
         let numbers = Vec::from_iter(numbers);
-        // Without faces, nothing shows that a vertex is not needed.
-        let mut corners = self.triangles.as_flattened().iter();
-        if self.triangles.is_empty() || corners.any(|&corner| left_out[corner as usize]) {
-            let problem = Problem::NotFinite {
-                axis: 'x',
-                found: "not finite".to_owned(),
-            };
-            return Err(problem.anywhere());
-        }
         for corner in self.triangles.as_flattened_mut() {
             *corner = numbers[*corner as usize];
         }
         let mut is_left_out = left_out.iter();
         self.positions
             .retain(|_| is_left_out.next() == Some(&false));
-        Ok(left_out)
+        left_out
     }
 
     /// Replaces the fans of polygons that are not convex.
@@ -241,13 +272,8 @@ impl MeshBuilder {
         Ok(())
     }
 
-    pub(super) fn finish(self) -> Result<MeshFile, ParseError> {
-        self.finish_known().map(|(file, _)| file)
-    }
-
-    /// The mesh without vertices that no face has and whose coordinates are not finite, or that are nodes of other
-    /// cells; and whether each vertex was left out, or nothing if none was.
-    pub(super) fn finish_known(mut self) -> Result<(MeshFile, Vec<bool>), ParseError> {
+    /// Checks that every corner names a vertex.
+    fn check_range(&self) -> Result<(), ParseError> {
         let vertices = self.positions.len();
         for (at, triangle) in self.triangles.iter().enumerate() {
             if let Some(&vertex) = triangle.iter().find(|&&v| v as usize >= vertices) {
@@ -261,6 +287,31 @@ impl MeshBuilder {
                 });
             }
         }
+        Ok(())
+    }
+
+    /// The triangles of all faces, which need not be a mesh, and whether each vertex was left out because only other
+    /// cells have it; nothing if none was.
+    pub(super) fn soup(mut self) -> Result<(Soup, Vec<bool>), ParseError> {
+        self.check_range()?;
+        let is_unused = self.unneeded();
+        let left_out = self.leave_out(is_unused);
+        self.divide_polygons()?;
+        let soup = Soup {
+            positions: self.positions,
+            triangles: self.triangles,
+            short_faces: self.short_faces,
+        };
+        Ok((soup, left_out))
+    }
+
+    /// The mesh without vertices that no face has and whose coordinates are not finite, or that are nodes of other
+    /// cells; and whether each vertex was left out, or nothing if none was.
+    pub(super) fn finish(mut self) -> Result<(MeshFile, Vec<bool>), ParseError> {
+        if let Some(refused) = self.refused {
+            return Err(refused);
+        }
+        self.check_range()?;
         let is_unknown = |point: &&[f64; 3]| point.iter().any(|x| !x.is_finite());
         let unknown = self.positions.iter().filter(is_unknown).count();
         let left_out = self.leave_out_unknown()?;

@@ -3,7 +3,7 @@
 //! Points and lines are skipped. Solid cells are skipped where there are faces; a data set of solid cells alone is
 //! refused, because its surface would be a guess. Nodes of no face are left out where other cells have them.
 
-use super::{MeshBuilder, MeshFile, ParseError, Position, Problem};
+use super::{MeshBuilder, ParseError, Position, Problem};
 
 /// The meaning of the nodes of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,7 +55,7 @@ pub(super) enum Part {
     Type(usize),
 }
 
-/// The mesh of a data set, and the number of triangles of each cell.
+/// The faces of a data set, and the number of triangles of each cell.
 pub(super) struct Cells {
     pub(super) builder: MeshBuilder,
     /// The number of triangles of each cell.
@@ -74,16 +74,11 @@ impl Cells {
     }
 
     /// Adds a cell with these nodes.
-    pub(super) fn add(
-        &mut self,
-        cell: Cell,
-        nodes: &[u32],
-        position: Position,
-    ) -> Result<(), ParseError> {
+    pub(super) fn add(&mut self, cell: Cell, nodes: &[u32], position: Position) {
         let before = self.builder.triangle_count();
         let builder = &mut self.builder;
         match (cell, nodes) {
-            (Cell::Polygon, _) => builder.add_face(nodes, position)?,
+            (Cell::Polygon, _) => builder.add_face(nodes, position),
             (Cell::Corners(count), _) => {
                 builder.leaves_out_unused |= nodes.len() > count;
                 let corners = nodes.get(..count).unwrap_or(nodes);
@@ -93,24 +88,24 @@ impl Cells {
                 } else {
                     corners
                 };
-                builder.add_face(corners, position)?;
+                builder.add_face(corners, position);
             }
             (Cell::HalfCorners, _) => {
                 builder.leaves_out_unused = true;
-                builder.add_face(&nodes[..nodes.len() / 2], position)?;
+                builder.add_face(&nodes[..nodes.len() / 2], position);
             }
-            (Cell::Pixel, &[a, b, c, d]) => builder.add_face(&[a, b, d, c], position)?,
-            (Cell::Pixel, _) => builder.add_face(&[], position)?,
+            (Cell::Pixel, &[a, b, c, d]) => builder.add_face(&[a, b, d, c], position),
+            (Cell::Pixel, _) => builder.add_face(&[], position),
             (Cell::Strip, _) => {
                 for (at, triangle) in nodes.windows(3).enumerate() {
                     let &[a, b, c] = triangle else { continue };
                     let triangle = if at % 2 == 0 { [a, b, c] } else { [b, a, c] };
-                    builder.add_part(triangle, position)?;
+                    builder.add_part(triangle, position);
                 }
             }
             (Cell::Fan, &[first, ref rest @ ..]) => {
                 for pair in rest.windows(2) {
-                    builder.add_part([first, pair[0], pair[1]], position)?;
+                    builder.add_part([first, pair[0], pair[1]], position);
                 }
             }
             (Cell::Fan, []) | (Cell::Line, _) => {}
@@ -121,7 +116,6 @@ impl Cells {
         }
         let added = builder.triangle_count() - before;
         self.triangles.push(added as u32);
-        Ok(())
     }
 
     /// Adds the cells of a list, whose numbers are at these positions of the file.
@@ -169,15 +163,14 @@ impl Cells {
                     problem.at(position(Part::Node(start + place)), Some(element))
                 })?);
             }
-            self.add(kind, &nodes, here)?;
+            self.add(kind, &nodes, here);
             start = end;
         }
         Ok(())
     }
 
-    /// The mesh, whether each vertex was left out, as [`MeshBuilder::finish_known`], and the number of triangles of
-    /// each cell.
-    pub(super) fn finish(self) -> Result<(MeshFile, Vec<bool>, Vec<u32>), ParseError> {
+    /// The faces, and the number of triangles of each cell.
+    pub(super) fn faces(self) -> Result<(MeshBuilder, Vec<u32>), ParseError> {
         if let Some((name, position)) = self.solid
             && self.builder.triangle_count() == 0
         {
@@ -187,8 +180,7 @@ impl Cells {
             };
             return Err(problem.at(position, None));
         }
-        let (file, left_out) = self.builder.finish_known()?;
-        Ok((file, left_out, self.triangles))
+        Ok((self.builder, self.triangles))
     }
 }
 

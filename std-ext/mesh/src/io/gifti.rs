@@ -12,8 +12,8 @@ use super::number::Number;
 use super::tokens::Tokens;
 use super::xml::{Tag, Tags, line_of};
 use super::{
-    Budget, Column, ColumnPlace, Columns, Element, MeshBuilder, MeshFile, ParseError, Position,
-    Problem, Reading, finite, gzip, leave_out,
+    Budget, Column, ColumnPlace, Columns, Element, MeshBuilder, ParseError, Parsed, Position,
+    Problem, Reading, finite, gzip,
 };
 
 /// The storage of numbers.
@@ -39,10 +39,7 @@ struct Array<'a> {
     data: &'a [u8],
 }
 
-pub(super) fn parse(
-    bytes: &[u8],
-    reading: Reading<'_>,
-) -> Result<(MeshFile, Vec<Column>), ParseError> {
+pub(super) fn parse(bytes: &[u8], reading: Reading<'_>) -> Result<Parsed, ParseError> {
     let arrays = arrays(bytes)?;
     let budget = Budget::new(reading.length, true);
     let of_intent = |intent, missing| {
@@ -83,9 +80,8 @@ pub(super) fn parse(
             };
             return Err(problem.at(here, Some(builder.next_face())));
         }
-        builder.add_face(&row.map(|vertex| vertex as u32), here)?;
+        builder.add_face(&row.map(|vertex| vertex as u32), here);
     }
-    let (file, left_out) = builder.finish_known()?;
     let mut columns = Vec::new();
     if reading.columns == Columns::Read {
         for array in &arrays {
@@ -104,8 +100,7 @@ pub(super) fn parse(
             });
         }
     }
-    leave_out(&left_out, &mut columns);
-    Ok((file, columns))
+    Ok((builder, columns))
 }
 
 /// The arrays of a file, without their numbers.

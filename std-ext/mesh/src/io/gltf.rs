@@ -15,7 +15,7 @@ use glam::{DMat4, DQuat, DVec3};
 use self::accessor::Buffers;
 use self::document::{Document, Node, Primitive};
 use super::cells::{Cell, Cells};
-use super::{Element, MeshFile, ParseError, Position, Problem, Reading, finite};
+use super::{Element, MeshBuilder, ParseError, Position, Problem, Reading, finite};
 
 pub(super) const MAGIC: &[u8] = b"glTF";
 const VERSION: u32 = 2;
@@ -26,7 +26,7 @@ const PART: usize = 8;
 const JSON: &[u8] = b"JSON";
 const BINARY: &[u8] = b"BIN\0";
 
-pub(super) fn parse(bytes: &[u8], reading: Reading<'_>) -> Result<MeshFile, ParseError> {
+pub(super) fn parse(bytes: &[u8], reading: Reading<'_>) -> Result<MeshBuilder, ParseError> {
     let (json, binary) = match bytes.strip_prefix(MAGIC) {
         Some(_) => parts(bytes)?,
         None => (bytes, None),
@@ -40,8 +40,8 @@ pub(super) fn parse(bytes: &[u8], reading: Reading<'_>) -> Result<MeshFile, Pars
         reading,
     };
     scene.add_nodes()?;
-    let (file, _, _) = scene.cells.finish()?;
-    Ok(file)
+    let (builder, _) = scene.cells.faces()?;
+    Ok(builder)
 }
 
 fn wrong(expected: &'static str, found: String) -> ParseError {
@@ -230,7 +230,8 @@ impl Scene<'_> {
             corners.push((before + vertex as usize) as u32);
         }
         if let Some(kind) = kind {
-            return self.cells.add(kind, &corners, position(0));
+            self.cells.add(kind, &corners, position(0));
+            return Ok(());
         }
         let (triangles, rest) = corners.as_chunks::<3>();
         if !rest.is_empty() {
@@ -238,7 +239,7 @@ impl Scene<'_> {
             return Err(wrong("three corners for each triangle", found));
         }
         for (at, triangle) in triangles.iter().enumerate() {
-            self.cells.builder.add_face(triangle, position(3 * at))?;
+            self.cells.builder.add_face(triangle, position(3 * at));
         }
         Ok(())
     }

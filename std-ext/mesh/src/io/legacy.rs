@@ -9,10 +9,7 @@ mod data;
 use super::cells::{Cell, CellList, Cells, Kinds, Part, at_triangles};
 use super::number::Number;
 use super::tokens::Tokens;
-use super::{
-    Column, ColumnPlace, Columns, MeshFile, ParseError, Position, Problem, Reading, finite,
-    leave_out,
-};
+use super::{Column, ColumnPlace, Columns, ParseError, Parsed, Position, Problem, Reading, finite};
 
 /// The start of every file.
 const HEADER: &[u8] = b"# vtk DataFile Version";
@@ -44,17 +41,14 @@ struct Content {
 
 const POLYGONS: usize = 2;
 
-pub(super) fn parse(
-    bytes: &[u8],
-    reading: Reading<'_>,
-) -> Result<(MeshFile, Vec<Column>), ParseError> {
+pub(super) fn parse(bytes: &[u8], reading: Reading<'_>) -> Result<Parsed, ParseError> {
     let mut tokens = Tokens::new(bytes);
     header(bytes, &mut tokens)?;
     let mut cells = Cells::new(0);
     let content = content(&mut tokens, &mut cells, reading)?;
     add_cells(&content, &mut cells)?;
     let vertices = cells.builder.positions.len();
-    let (file, left_out, triangles) = cells.finish()?;
+    let (builder, triangles) = cells.faces()?;
     let mut columns = Vec::new();
     for (at, mut column) in content.columns {
         let (section, expected, places) = match column.place {
@@ -74,8 +68,7 @@ pub(super) fn parse(
         }
         columns.push(column);
     }
-    leave_out(&left_out, &mut columns);
-    Ok((file, columns))
+    Ok((builder, columns))
 }
 
 /// Reads the lines before the sections.
@@ -287,11 +280,11 @@ fn add_cells(content: &Content, cells: &mut Cells) -> Result<(), ParseError> {
                 for column in 0..columns - 1 {
                     let first = (row * columns + column) as u32;
                     let above = first + columns as u32;
-                    cells.add(Cell::Pixel, &[first, first + 1, above, above + 1], at)?;
+                    cells.add(Cell::Pixel, &[first, first + 1, above, above + 1], at);
                 }
             }
         }
-        [_, _, _] => cells.add(Cell::Solid("hexahedra"), &[], at)?,
+        [_, _, _] => cells.add(Cell::Solid("hexahedra"), &[], at),
         _ => {}
     }
     Ok(())

@@ -13,10 +13,7 @@ use self::types::of_gmsh;
 use super::cells::{Cell, Cells, at_triangles};
 use super::number::Number;
 use super::tokens::Tokens;
-use super::{
-    Column, ColumnPlace, Columns, Element, MeshFile, ParseError, Problem, Reading, finite,
-    leave_out,
-};
+use super::{Column, ColumnPlace, Columns, Element, ParseError, Parsed, Problem, Reading, finite};
 
 /// The start of every file, unless comments precede it.
 pub(super) const HEADER: &[u8] = b"$MeshFormat";
@@ -53,10 +50,7 @@ struct Reader<'a> {
     columns: Vec<Column>,
 }
 
-pub(super) fn parse(
-    bytes: &[u8],
-    reading: Reading<'_>,
-) -> Result<(MeshFile, Vec<Column>), ParseError> {
+pub(super) fn parse(bytes: &[u8], reading: Reading<'_>) -> Result<Parsed, ParseError> {
     let mut tokens = Tokens::new(bytes);
     while tokens.peek().is_some_and(|word| word != HEADER) {
         let word = tokens.word();
@@ -104,7 +98,7 @@ pub(super) fn parse(
             }
         }
     }
-    reader.finish()
+    reader.faces()
 }
 
 /// Reads the version and the storage of numbers.
@@ -336,15 +330,16 @@ impl Reader<'_> {
             self.elements.insert(tag, self.cells.triangles.len() as u32);
         }
         self.geometrical.push(geometrical as f64);
-        self.cells.add(cell, &nodes[..count], position)
+        self.cells.add(cell, &nodes[..count], position);
+        Ok(())
     }
 
-    fn finish(mut self) -> Result<(MeshFile, Vec<Column>), ParseError> {
+    fn faces(mut self) -> Result<Parsed, ParseError> {
         // Nodes of lines and points that no face has, such as centres of circles.
         self.cells.builder.leaves_out_unused = true;
-        let (file, left_out, triangles) = self.cells.finish()?;
+        let (builder, triangles) = self.cells.faces()?;
         if self.reading.columns == Columns::Skipped {
-            return Ok((file, Vec::new()));
+            return Ok((builder, Vec::new()));
         }
         let groups = [
             ("gmsh:physical", self.physical),
@@ -364,7 +359,6 @@ impl Reader<'_> {
                 column.values = at_triangles(&column.values, &triangles);
             }
         }
-        leave_out(&left_out, &mut self.columns);
-        Ok((file, self.columns))
+        Ok((builder, self.columns))
     }
 }

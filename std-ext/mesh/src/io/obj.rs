@@ -3,10 +3,10 @@
 //! Source: Wavefront Technologies, Advanced Visualizer manual, appendix B1: "Object Files".
 
 use super::text::{Text, parsed};
-use super::{MeshBuilder, MeshFile, ParseError, Problem, Unknown};
+use super::{MeshBuilder, ParseError, Problem, Unknown};
 use std::io::{self, Write};
 
-pub(super) fn parse(bytes: &[u8], unknown: Unknown) -> Result<MeshFile, ParseError> {
+pub(super) fn parse(bytes: &[u8], unknown: Unknown) -> Result<MeshBuilder, ParseError> {
     let mut text = Text::joining_lines(bytes).with_unknown(unknown);
     let mut builder = MeshBuilder::new(1);
     let mut corners = Vec::new();
@@ -24,7 +24,7 @@ pub(super) fn parse(bytes: &[u8], unknown: Unknown) -> Result<MeshFile, ParseErr
                 while let Some(word) = text.word() {
                     corners.push(corner(word, &text, &builder)?);
                 }
-                builder.add_face(&corners, position)?;
+                builder.add_face(&corners, position);
             }
             // Normals, groups, materials, lines, free-form surfaces and extensions are skipped.
             _ if keyword[0].is_ascii_alphabetic() => {}
@@ -34,7 +34,7 @@ pub(super) fn parse(bytes: &[u8], unknown: Unknown) -> Result<MeshFile, ParseErr
             }
         }
     }
-    builder.finish()
+    Ok(builder)
 }
 
 pub(super) fn write(

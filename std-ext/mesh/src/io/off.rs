@@ -4,7 +4,7 @@
 //! programs write them.
 
 use super::text::{Text, parsed};
-use super::{CORNER, MeshBuilder, MeshFile, ParseError, Problem, Unknown};
+use super::{CORNER, MeshBuilder, ParseError, Problem, Unknown};
 use std::io::{self, Write};
 
 /// Whether a word is the header of an OFF text with three coordinates: `OFF` after any of `ST` (texture), `C`
@@ -16,7 +16,7 @@ pub(super) fn is_header(word: &[u8]) -> bool {
     rest == b"OFF"
 }
 
-pub(super) fn parse(bytes: &[u8], unknown: Unknown) -> Result<MeshFile, ParseError> {
+pub(super) fn parse(bytes: &[u8], unknown: Unknown) -> Result<MeshBuilder, ParseError> {
     let mut text = Text::new(bytes).with_unknown(unknown);
     let header = text.statement();
     if !header.is_some_and(is_header) {
@@ -60,10 +60,10 @@ pub(super) fn parse(bytes: &[u8], unknown: Unknown) -> Result<MeshFile, ParseErr
             corners.push(parsed(word).ok_or_else(|| text.expected(CORNER, word, Some(element)))?);
         }
         // A colour may follow.
-        builder.add_face(&corners, position)?;
+        builder.add_face(&corners, position);
     }
     text.end_of_file()?;
-    builder.finish()
+    Ok(builder)
 }
 
 pub(super) fn write(

@@ -11,16 +11,14 @@ mod body;
 use self::body::{Ascii, Binary, Body};
 use super::text::{Text, parsed};
 use super::write::write_blocks;
-use super::{
-    Column, ColumnPlace, Columns, MeshBuilder, MeshFile, ParseError, Problem, Unknown, leave_out,
-};
+use super::{Column, ColumnPlace, Columns, MeshBuilder, ParseError, Problem, Unknown};
 use std::io::{self, Write};
 
 pub(super) fn parse(
     bytes: &[u8],
     wanted: Columns,
     unknown: Unknown,
-) -> Result<(MeshFile, Vec<Column>), ParseError> {
+) -> Result<(MeshBuilder, Vec<Column>), ParseError> {
     let mut text = Text::new(bytes).with_unknown(unknown);
     let (encoding, groups) = header(&mut text)?;
     let mut columns = match wanted {
@@ -48,17 +46,7 @@ pub(super) fn parse(
             builder
         }
     };
-    let (file, left_out) = builder.finish_known()?;
-    leave_out(&left_out, &mut columns);
-    // A header may declare vertices or faces twice, each time with other properties.
-    columns.retain(|column| {
-        let places = match column.place {
-            ColumnPlace::Vertices => file.positions.len(),
-            ColumnPlace::Triangles => file.mesh.triangles().len(),
-        };
-        column.values.len() == places
-    });
-    Ok((file, columns))
+    Ok((builder, columns))
 }
 
 pub(super) fn write(
@@ -454,13 +442,12 @@ fn element(
     match group.role {
         Role::Vertex => builder.positions.push(point),
         Role::Face => {
-            builder.add_face(corners, position)?;
+            builder.add_face(corners, position);
             for column in columns {
-                let number = column.values.last().copied();
-                let others = corners.len() - 3;
-                column
-                    .values
-                    .extend(number.into_iter().cycle().take(others));
+                if let Some(number) = column.values.pop() {
+                    let triangles = corners.len().saturating_sub(2);
+                    column.values.extend(std::iter::repeat_n(number, triangles));
+                }
             }
         }
         Role::Other => {}

@@ -10,7 +10,7 @@ use glam::DVec3;
 
 use super::text::Text;
 use super::weld::Weld;
-use super::{MeshBuilder, MeshFile, ParseError, Position, Problem, Unknown, finite, without_mark};
+use super::{MeshBuilder, ParseError, Position, Problem, Unknown, finite, without_mark};
 
 /// The header and the number of faces, and one face, in bytes.
 const HEADER: usize = 84;
@@ -33,19 +33,19 @@ fn is_complete(faces: u64, bytes: &[u8]) -> bool {
     })
 }
 
-pub(super) fn parse(bytes: &[u8]) -> Result<MeshFile, ParseError> {
+pub(super) fn parse(bytes: &[u8], unknown: Unknown) -> Result<MeshBuilder, ParseError> {
     // A binary header may start with `solid` too, so the length decides.
     match announced_faces(bytes) {
-        Some(faces) if is_complete(faces, bytes) => binary(bytes, faces as usize),
+        Some(faces) if is_complete(faces, bytes) => binary(bytes, faces as usize, unknown),
         Some(faces) if bytes.contains(&0) => {
             let length = bytes.len();
             Err(Problem::WrongLength { faces, length }.anywhere())
         }
-        _ => ascii(without_mark(bytes)),
+        _ => ascii(without_mark(bytes), unknown),
     }
 }
 
-fn binary(bytes: &[u8], faces: usize) -> Result<MeshFile, ParseError> {
+fn binary(bytes: &[u8], faces: usize, unknown: Unknown) -> Result<MeshBuilder, ParseError> {
     let mut builder = MeshBuilder::new(0);
     builder.reserve(faces / 2, faces, bytes.len());
     let mut weld = Weld::default();
@@ -61,16 +61,14 @@ fn binary(bytes: &[u8], faces: usize) -> Result<MeshFile, ParseError> {
         for corner in &mut corners {
             let mut point = [0.0; 3];
             for ((axis, coordinate), number) in point.iter_mut().enumerate().zip(&mut numbers) {
-                *coordinate = finite(f64::from(number), axis, Unknown::Refused, || {
-                    number.to_string()
-                })
-                .map_err(|problem| problem.at(position, Some(builder.next_face())))?;
+                *coordinate = finite(f64::from(number), axis, unknown, || number.to_string())
+                    .map_err(|problem| problem.at(position, Some(builder.next_face())))?;
             }
             *corner = weld.vertex(point, &mut builder.positions);
         }
-        builder.add_face(&corners, position)?;
+        builder.add_face(&corners, position);
     }
-    builder.finish()
+    Ok(builder)
 }
 
 /// Writes binary STL. The header must not start with `solid`, because other readers would take the
@@ -96,8 +94,8 @@ pub(super) fn write(
     Ok(())
 }
 
-fn ascii(bytes: &[u8]) -> Result<MeshFile, ParseError> {
-    let mut text = Text::new(bytes);
+fn ascii(bytes: &[u8], unknown: Unknown) -> Result<MeshBuilder, ParseError> {
+    let mut text = Text::new(bytes).with_unknown(unknown);
     let mut builder = MeshBuilder::new(0);
     let mut weld = Weld::default();
     keyword(&mut text, "solid", "`solid` (or a binary STL file)")?;
@@ -116,11 +114,11 @@ fn ascii(bytes: &[u8]) -> Result<MeshFile, ParseError> {
             }
             keyword(&mut text, "endloop", "`endloop`")?;
             keyword(&mut text, "endfacet", "`endfacet`")?;
-            builder.add_face(&corners, position)?;
+            builder.add_face(&corners, position);
         } else if is(word, "endsolid") {
             // Another solid may follow.
             match text.statement() {
-                None => return builder.finish(),
+                None => return Ok(builder),
                 word if is(word, "solid") => {}
                 word => return Err(text.expected("`solid` or the end of the file", word, None)),
             }

@@ -11,7 +11,7 @@ use glam::{DAffine3, DMat3, DVec3};
 use super::xml::{Tag, Tags};
 use super::zip::Archive;
 use super::{
-    Budget, Element, MeshBuilder, MeshFile, ParseError, Position, Problem, Reading, Unknown, finite,
+    Budget, Element, MeshBuilder, ParseError, Position, Problem, Reading, Unknown, finite,
 };
 
 /// The usual name of the first file.
@@ -42,7 +42,7 @@ struct Model {
     items: Vec<Part>,
 }
 
-pub(super) fn parse(bytes: &[u8], reading: Reading<'_>) -> Result<MeshFile, ParseError> {
+pub(super) fn parse(bytes: &[u8], reading: Reading<'_>) -> Result<MeshBuilder, ParseError> {
     let archive = Archive::new(bytes)?;
     let budget = Budget::new(reading.length, true);
     let root: Rc<str> = root(&archive, &budget)?.into();
@@ -77,7 +77,7 @@ pub(super) fn parse(bytes: &[u8], reading: Reading<'_>) -> Result<MeshFile, Pars
             ..part.clone()
         }));
     }
-    builder.finish()
+    Ok(builder)
 }
 
 fn wrong(expected: &'static str, found: &str, at: Option<usize>) -> ParseError {
@@ -136,7 +136,7 @@ fn add(
             return Err(problem.at(Position::Byte(place), Some(builder.next_face())));
         }
         let triangle = triangle.map(|vertex| (before + vertex as usize) as u32);
-        builder.add_face(&triangle, Position::Byte(place))?;
+        builder.add_face(&triangle, Position::Byte(place));
     }
     // Mirrored surfaces keep their outside.
     if placed.matrix3.determinant() < 0.0 {

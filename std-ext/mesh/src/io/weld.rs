@@ -108,25 +108,32 @@ pub fn weld(
             vertices: positions.len(),
         });
     }
-    let mut kept = Vec::new();
-    let vertices: Vec<u32> = if distance > 0.0 {
-        let mut near = Near {
-            distance,
-            cells: HashMap::new(),
-        };
-        let all = positions.iter();
-        all.map(|&point| near.vertex(point, &mut kept)).collect()
-    } else {
-        let mut weld = Weld::default();
-        let all = positions.iter();
-        all.map(|&point| weld.vertex(point, &mut kept)).collect()
-    };
+    let (kept, vertices) = merged(positions.iter().copied(), distance);
     let triangles = triangles.iter();
     let triangles = triangles.map(|triangle| triangle.map(|corner| vertices[corner as usize]));
     let triangles = triangles.filter(|[a, b, c]| a != b && b != c && c != a);
     let mesh = TriangleMesh::new(kept.len(), triangles.collect())?;
     let file = MeshFile::new(kept, mesh);
     Ok(Welded { file, vertices })
+}
+
+/// The points that are kept, each the first of those that are merged, and the kept one of each point: see [`weld`].
+pub(crate) fn merged(
+    points: impl Iterator<Item = [f64; 3]>,
+    distance: f64,
+) -> (Vec<[f64; 3]>, Vec<u32>) {
+    let mut kept = Vec::new();
+    let vertices = if distance > 0.0 {
+        let mut near = Near {
+            distance,
+            cells: HashMap::new(),
+        };
+        points.map(|point| near.vertex(point, &mut kept)).collect()
+    } else {
+        let mut weld = Weld::default();
+        points.map(|point| weld.vertex(point, &mut kept)).collect()
+    };
+    (kept, vertices)
 }
 
 /// The vertices that were kept, by the cells of a grid as wide as the distance.

@@ -5,5 +5,6 @@ mod columns;
 mod orientation;
 mod polygons;
 mod readers;
+mod repair;
 mod weld;
 mod writers;

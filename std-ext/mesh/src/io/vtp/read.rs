@@ -3,8 +3,7 @@
 use super::super::cells::{Cell, CellList, Cells, Kinds, Part, at_triangles};
 use super::super::xml::{Tag, Tags, line_of};
 use super::super::{
-    Budget, Column, ColumnPlace, Columns, MeshFile, ParseError, Problem, Reading, Unknown, finite,
-    leave_out,
+    Budget, Column, ColumnPlace, Columns, ParseError, Parsed, Problem, Reading, Unknown, finite,
 };
 use super::array::{Array, Storage};
 use super::compressor::Compressor;
@@ -37,10 +36,7 @@ struct Outline<'a> {
     pieces: Vec<Piece<'a>>,
 }
 
-pub(in crate::io) fn parse(
-    bytes: &[u8],
-    reading: Reading<'_>,
-) -> Result<(MeshFile, Vec<Column>), ParseError> {
+pub(in crate::io) fn parse(bytes: &[u8], reading: Reading<'_>) -> Result<Parsed, ParseError> {
     let Outline { storage, pieces } = outline(bytes, reading)?;
     let mut cells = Cells::new(0);
     let mut starts = Vec::new();
@@ -48,12 +44,10 @@ pub(in crate::io) fn parse(
         starts.push(cells.triangles.len());
         piece.add_to(&mut cells, &storage, reading.unknown)?;
     }
-    let (file, left_out, triangles) = cells.finish()?;
+    let (builder, triangles) = cells.faces()?;
     starts.push(triangles.len());
     let own = starts.windows(2).map(|pair| &triangles[pair[0]..pair[1]]);
-    let mut columns = joined(pieces.iter().zip(own), &storage)?;
-    leave_out(&left_out, &mut columns);
-    Ok((file, columns))
+    Ok((builder, joined(pieces.iter().zip(own), &storage)?))
 }
 
 /// Columns that every piece with points has, concatenated in the order of pieces.

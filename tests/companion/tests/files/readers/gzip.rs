@@ -1,7 +1,7 @@
 //! Files compressed by gzip.
 
 use super::file;
-use helfrich_std::io::{Format, parse, read};
+use helfrich_std::io::{Format, parse, read, read_soup};
 use miniz_oxide::deflate::compress_to_vec;
 
 /// A member with these flags and this text behind its fixed header.
@@ -36,6 +36,8 @@ fn files_of_every_format_may_be_compressed() {
     assert_eq!(parse(&two, Format::Off).unwrap(), whole);
     for name in ["a.off.gz", "a.OFF.GZ", "a.gz", "compressed", "really.off"] {
         assert_eq!(read(&file(name, &two)).unwrap(), whole, "{name}");
+        let (soup, _) = read_soup(&file(name, &two)).unwrap();
+        assert_eq!(soup.triangles, whole.mesh.triangles(), "{name}");
     }
     assert_eq!(
         read(&file("plain.off.gz", &[parts[0].0, parts[1].0].concat())).unwrap(),

@@ -2,7 +2,8 @@
 
 use super::file;
 use helfrich_std::io::{
-    ColumnPlace, Format, ParseError, parse, parse_with_columns, read, read_with_columns,
+    ColumnPlace, Format, ParseError, Problem, parse, parse_soup, parse_with_columns, read,
+    read_with_columns,
 };
 use helfrich_tests::invariants::check_reader;
 use std::path::Path;
@@ -89,6 +90,42 @@ fn every_format_has_the_same_mesh_and_columns() {
         let unnamed = format!("unnamed-{}", text.len());
         assert_eq!(read(&file(&unnamed, text.as_bytes())).unwrap(), expected);
     }
+}
+
+/// A triangle with a repeated corner is refused where it is, and is one of the triangles of which a repair makes a mesh.
+#[test]
+fn triangles_of_every_format_need_not_form_a_mesh() {
+    let refusal = |bytes: &[u8], format| {
+        let error = parse(bytes, format).unwrap_err();
+        assert!(error.is_repairable() && !error.places.is_empty(), "{error}");
+        assert_eq!(error.problem, Problem::RepeatedVertex { corners: [2, 3] });
+    };
+    let (_, columns) = parse_with_columns(PLY.as_bytes(), Format::Ply).unwrap();
+    for (text, [good, bad], format) in [
+        (PLY, ["3 2 0 3 4", "3 2 0 0 4"], Format::Ply),
+        (VTK, ["2 0 3\nM", "2 0 0\nM"], Format::Vtk),
+        (NEW_VTK, ["2 0 3\nC", "2 0 0\nC"], Format::Vtk),
+        (VTU, ["2 0 3</D", "2 0 0</D"], Format::Vtu),
+        (MSH_2, ["9 7 4\n$", "9 7 7\n$"], Format::Msh),
+        (MSH_40, ["9 7 4\n$", "9 7 7\n$"], Format::Msh),
+        (MSH_41, ["9 7 4\n$", "9 7 7\n$"], Format::Msh),
+        (GIFTI, ["2 0 3</D", "2 0 0</D"], Format::Gifti),
+    ] {
+        let text = text.replace(good, bad);
+        refusal(text.as_bytes(), format);
+        let (soup, own) = parse_soup(text.as_bytes(), format).unwrap();
+        let expected = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 0]];
+        assert_eq!(soup.triangles, expected, "{text}");
+        assert_eq!((soup.positions.len(), soup.short_faces), (4, 0));
+        let faces = if format == Format::Gifti { 0 } else { 1 };
+        assert_eq!(own[..=faces], columns[..=faces], "{text}");
+    }
+    let mut bytes = buffer();
+    bytes[50] = 2;
+    let bytes = glb(&gltf(""), &bytes);
+    refusal(&bytes, Format::Gltf);
+    let (soup, _) = parse_soup(&bytes, Format::Gltf).unwrap();
+    assert_eq!(soup.triangles[..2], [[0, 2, 2], [4, 5, 6]]);
 }
 
 /// Every second triangle of a strip is reversed, and triangles with a repeated corner only join parts.

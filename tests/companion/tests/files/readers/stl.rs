@@ -58,7 +58,10 @@ fn bad_stl_files() {
             "line 5: expected `vertex`, found `endloop`",
         ),
         (
-            stl(&format!("solid\n{}", facet.replace("0 1 0", "1 -0 0"))),
+            stl(&format!(
+                "solid\n{}endsolid\n",
+                facet.replace("0 1 0", "1 -0 0")
+            )),
             "line 2 (face 0): corners 2 and 3 of the face are a repeated vertex: all have to differ",
         ),
         (
