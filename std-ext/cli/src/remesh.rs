@@ -225,7 +225,7 @@ fn lengths(
 }
 
 fn smallest_angle(mesh: &TriangleMesh, positions: &[[f64; 3]]) -> f64 {
-    let Ok(surface) = Surface::new(mesh, &positions[..]) else {
+    let Ok(surface) = Surface::new(mesh, positions) else {
         return 0.0;
     };
     let angles = (0..mesh.triangles().len()).flat_map(|triangle| surface.triangle_angles(triangle));

@@ -175,11 +175,10 @@ pub fn remeshed(
         }
     }
     let mesh = surface.mesh();
-    let quiet_surface = quiet
-        .as_ref()
-        .map(|quiet| Surface::new(mesh, &quiet.positions));
-    let surface = match quiet_surface {
-        Some(smoothed) => smoothed.expect("finite positions"),
+    let surface = match &quiet {
+        Some(quiet) => {
+            Surface::new(mesh, &quiet.positions).map_err(|_| RemeshError::Noise(quiet.noise))?
+        }
         None => surface,
     };
     let jet = SmoothSurface::jet_for(mesh);
@@ -248,19 +247,21 @@ pub fn carried(smooth: &SmoothSurface<f64>, places: &[MeshPoint<f64>], field: &[
     if !step.is_finite() || field.iter().any(|value| !value.is_finite()) {
         return places.iter().map(linear).collect();
     }
-    let moved = |sign: f64| -> Vec<SmoothPoint<f64>> {
+    let moved = |sign: f64| -> Option<Vec<SmoothPoint<f64>>> {
         let vertices = surface.positions().iter().zip(smooth.vertices()).zip(field);
         let positions = vertices.map(|((at, curvature), value)| {
             let distance = sign * step * (value - middle);
             [0, 1, 2].map(|axis| at[axis] + distance * curvature.normal[axis])
         });
         let positions = Vec::from_iter(positions);
-        let surface = Surface::new(surface.mesh(), &positions).expect("finite positions");
+        let surface = Surface::new(surface.mesh(), &positions).ok()?;
         let jet = SmoothSurface::jet_for(surface.mesh());
         let moved = SmoothSurface::with_lines(&Parallel::new(), surface, &jet, smooth.lines());
-        moved.all_at(&Parallel::new(), places)
+        Some(moved.all_at(&Parallel::new(), places))
     };
-    let (above, below) = (moved(1.0), moved(-1.0));
+    let Some((above, below)) = moved(1.0).zip(moved(-1.0)) else {
+        return places.iter().map(linear).collect();
+    };
     let values = places
         .iter()
         .zip(above.iter().zip(&below))
