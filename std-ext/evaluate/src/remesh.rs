@@ -217,6 +217,9 @@ pub fn old_triangles(made: &Remeshed<f64>) -> Vec<usize> {
 ///
 /// The vertices are moved by ±ε times the field along their normals: the smooth surfaces through them are apart by
 /// 2 ε times the field. Where they are not smooth, values are interpolated linearly.
+///
+/// # Panics
+/// If a vertex has no value, or a place is in a triangle that does not exist.
 pub fn carried(smooth: &SmoothSurface<f64>, places: &[MeshPoint<f64>], field: &[f64]) -> Vec<f64> {
     let surface = smooth.surface();
     let corners = |place: &MeshPoint<f64>| {

@@ -52,7 +52,11 @@ fn bad_files_get_one_line_that_names_the_place() {
         ("empty.stl", vec![], &["empty"]),
         ("no-faces.obj", points.as_bytes().to_vec(), &["triangle"]),
         ("no-faces.off", b"OFF\n0 0 0\n".to_vec(), &["triangle"]),
-        ("mesh.msh", b"$MeshFormat\n".to_vec(), &["unknown format"]),
+        (
+            "mesh.mesh",
+            b"MeshVersionFormatted 2\n".to_vec(),
+            &["unknown format"],
+        ),
         ("unnamed", b"".to_vec(), &["unknown format"]),
         (
             "nan.obj",

@@ -352,7 +352,7 @@ fn of_programs() -> Vec<(String, Vec<u8>, Format)> {
 fn files_of_other_programs_are_read() {
     let corner = |k: usize| {
         let mut corner = [0.0; 3];
-        corner[k / 2] = if k % 2 == 0 { 1.0 } else { -1.0 };
+        corner[k / 2] = if k.is_multiple_of(2) { 1.0 } else { -1.0 };
         corner
     };
     let octahedron = Vec::from_iter((0..6).map(corner));
