@@ -31,6 +31,9 @@ _helfrich() {
             helfrich,recommend)
                 cmd="helfrich__subcmd__recommend"
                 ;;
+            helfrich,remesh)
+                cmd="helfrich__subcmd__remesh"
+                ;;
             helfrich,repair)
                 cmd="helfrich__subcmd__repair"
                 ;;
@@ -64,6 +67,9 @@ _helfrich() {
             helfrich__subcmd__help,recommend)
                 cmd="helfrich__subcmd__help__subcmd__recommend"
                 ;;
+            helfrich__subcmd__help,remesh)
+                cmd="helfrich__subcmd__help__subcmd__remesh"
+                ;;
             helfrich__subcmd__help,repair)
                 cmd="helfrich__subcmd__help__subcmd__repair"
                 ;;
@@ -89,7 +95,7 @@ _helfrich() {
 
     case "${cmd}" in
         helfrich)
-            opts="-h -V --help --version study recommend curvature info repair subdivide run sweep scenes explain help"
+            opts="-h -V --help --version study recommend curvature info remesh repair subdivide run sweep scenes explain help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 1 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -191,7 +197,7 @@ _helfrich() {
             return 0
             ;;
         helfrich__subcmd__help)
-            opts="study recommend curvature info repair subdivide run sweep scenes explain help"
+            opts="study recommend curvature info remesh repair subdivide run sweep scenes explain help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -261,6 +267,20 @@ _helfrich() {
             return 0
             ;;
         helfrich__subcmd__help__subcmd__recommend)
+            opts=""
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 3 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        helfrich__subcmd__help__subcmd__remesh)
             opts=""
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 3 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
@@ -416,6 +436,60 @@ _helfrich() {
                     return 0
                     ;;
                 --json)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --threads)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        helfrich__subcmd__remesh)
+            opts="-o -h --weld --vertices --edge --field --curvature --error --creases --smooth --output --threads --help"
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                --weld)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --vertices)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --edge)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --field)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --curvature)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --error)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --creases)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --output)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                -o)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;

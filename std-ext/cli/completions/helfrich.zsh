@@ -96,6 +96,24 @@ _arguments "${_arguments_options[@]}" : \
 ':mesh -- Mesh file\: .obj, .off, .stl, .ply, .vtp, .vtu, .vtk, .glb, .gltf, .msh, .gii and .3mf, also compressed as .gz:_files' \
 && ret=0
 ;;
+(remesh)
+_arguments "${_arguments_options[@]}" : \
+'--weld=[Merge vertices at exactly the same point, or at most a distance apart. Files from renderers often have separate vertices for each face]::DISTANCE:_default' \
+'--vertices=[Number of vertices; by default that of the input, unless lengths are given]:NUMBER:_default' \
+'(--vertices)--edge=[Length of the edges, in the unit of the file]:LENGTH:_default' \
+'(--edge)--field=[Lengths of the edges from the numbers at the vertices with this name, in a PLY, VTK or GIFTI file; with \`--vertices\`, relative to each other]:COLUMN:_default' \
+'(--edge --field)--curvature=[Lengths by curvature\: no edge turns by more than this angle, in degrees; with \`--vertices\`, relative to each other]:DEGREES:_default' \
+'(--edge --field --curvature --vertices)--error=[Edges as long as the error of H may be at most this part of the largest |H|, as in \`1%\` or \`0.01\`]:PART:_default' \
+'--creases=[Keep edges as creases at which the triangles differ by more than this angle, in degrees]:DEGREES:_default' \
+'-o+[Output file; its ending determines the format. Numbers at vertices and triangles are kept in \`.vtp\`]:OUTPUT:_files' \
+'--output=[Output file; its ending determines the format. Numbers at vertices and triangles are kept in \`.vtp\`]:OUTPUT:_files' \
+'--threads=[Number of threads, from 1 to 1024; by default as many as the machine runs at once. Results do not depend on it]:N:_default' \
+'--smooth[Remove the noise of the positions first]' \
+'-h[Print help (see more with '\''--help'\'')]' \
+'--help[Print help (see more with '\''--help'\'')]' \
+':mesh -- Mesh file\: .obj, .off, .stl, .ply, .vtp, .vtu, .vtk, .glb, .gltf, .msh, .gii and .3mf, also compressed as .gz:_files' \
+&& ret=0
+;;
 (repair)
 _arguments "${_arguments_options[@]}" : \
 '--weld=[Merge vertices at exactly the same point, or at most a distance apart]::DISTANCE:_default' \
@@ -193,6 +211,10 @@ _arguments "${_arguments_options[@]}" : \
 _arguments "${_arguments_options[@]}" : \
 && ret=0
 ;;
+(remesh)
+_arguments "${_arguments_options[@]}" : \
+&& ret=0
+;;
 (repair)
 _arguments "${_arguments_options[@]}" : \
 && ret=0
@@ -237,6 +259,7 @@ _helfrich_commands() {
 'recommend:Recommend a method for a mesh file, by measurements on that mesh' \
 'curvature:Compute curvatures and force density at every vertex of a mesh file, as CSV or VTP' \
 'info:Show counts, topology, area, volume and quality of a mesh file' \
+'remesh:Make a new mesh with even triangles of the smooth surface through the vertices of a mesh file' \
 'repair:Make a mesh of a file that others refuse, and say what was changed' \
 'subdivide:Refine a mesh file by Loop'\''s rules\: four triangles for each triangle and level' \
 'run:Run a scene\: surfaces, the effects that act on each, and a driver that moves them' \
@@ -264,6 +287,7 @@ _helfrich__subcmd__help_commands() {
 'recommend:Recommend a method for a mesh file, by measurements on that mesh' \
 'curvature:Compute curvatures and force density at every vertex of a mesh file, as CSV or VTP' \
 'info:Show counts, topology, area, volume and quality of a mesh file' \
+'remesh:Make a new mesh with even triangles of the smooth surface through the vertices of a mesh file' \
 'repair:Make a mesh of a file that others refuse, and say what was changed' \
 'subdivide:Refine a mesh file by Loop'\''s rules\: four triangles for each triangle and level' \
 'run:Run a scene\: surfaces, the effects that act on each, and a driver that moves them' \
@@ -298,6 +322,11 @@ _helfrich__subcmd__help__subcmd__info_commands() {
 _helfrich__subcmd__help__subcmd__recommend_commands() {
     local commands; commands=()
     _describe -t commands 'helfrich help recommend commands' commands "$@"
+}
+(( $+functions[_helfrich__subcmd__help__subcmd__remesh_commands] )) ||
+_helfrich__subcmd__help__subcmd__remesh_commands() {
+    local commands; commands=()
+    _describe -t commands 'helfrich help remesh commands' commands "$@"
 }
 (( $+functions[_helfrich__subcmd__help__subcmd__repair_commands] )) ||
 _helfrich__subcmd__help__subcmd__repair_commands() {
@@ -338,6 +367,11 @@ _helfrich__subcmd__info_commands() {
 _helfrich__subcmd__recommend_commands() {
     local commands; commands=()
     _describe -t commands 'helfrich recommend commands' commands "$@"
+}
+(( $+functions[_helfrich__subcmd__remesh_commands] )) ||
+_helfrich__subcmd__remesh_commands() {
+    local commands; commands=()
+    _describe -t commands 'helfrich remesh commands' commands "$@"
 }
 (( $+functions[_helfrich__subcmd__repair_commands] )) ||
 _helfrich__subcmd__repair_commands() {

@@ -81,6 +81,10 @@ fn flat(values: PointValues<'_>) -> (&'static str, usize, Vec<f64>) {
         PointValues::Scalars32(values) => ("Float32", 1, wide(values)),
         PointValues::Vectors(values) => ("Float64", 3, values.as_flattened().to_vec()),
         PointValues::Vectors32(values) => ("Float32", 3, wide(values.as_flattened())),
+        PointValues::Colours(values) => {
+            let wide = values.as_flattened().iter().map(|&x| f64::from(x));
+            ("UInt8", 3, wide.collect())
+        }
     }
 }
 
