@@ -368,7 +368,7 @@ impl EditableMesh {
     /// Whether [`Self::flip`] is legal.
     ///
     /// # Errors
-    /// Those of [`Self::flip`].
+    /// The errors of [`Self::flip`].
     ///
     /// # Panics
     /// If there is no such half-edge.
@@ -490,7 +490,7 @@ impl EditableMesh {
     /// Whether [`Self::collapse`] is legal.
     ///
     /// # Errors
-    /// Those of [`Self::collapse`].
+    /// The errors of [`Self::collapse`].
     ///
     /// # Panics
     /// If there is no such half-edge.

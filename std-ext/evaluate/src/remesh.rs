@@ -108,7 +108,7 @@ fn limit_growth(surface: Surface<'_, f64>, lengths: &mut [f64], growth: f64) {
     }
 }
 
-/// What a new mesh is to be like.
+/// Properties that a new mesh is to have.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshRequest {
     /// The edge lengths.
@@ -128,7 +128,7 @@ pub struct NewMesh {
     pub smooth: SmoothSurface<f64>,
     /// The new mesh.
     pub made: Remeshed<f64>,
-    /// How far old vertices were moved to remove noise, root mean square; `None` if there was none.
+    /// The root mean square of the displacements that removed noise; `None` if there was none.
     pub moved: Option<f64>,
 }
 
