@@ -32,7 +32,9 @@ fuzz_target!(|input: (bool, u32, Vec<(u8, u16)>)| {
             0 => Ok(drop(edited.split(half_edge))),
             1 => edited.flip(half_edge),
             2 => edited.collapse(half_edge),
-            _ => edited.opposite(half_edge).map_or(Ok(()), |other| edited.collapse(other)),
+            _ => edited
+                .opposite(half_edge)
+                .map_or(Ok(()), |other| edited.collapse(other)),
         };
     }
     let count = edited.triangle_count();
