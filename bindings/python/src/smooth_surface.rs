@@ -3,7 +3,9 @@
 use crate::arrays::{Arrays, Input, Positions, arrays, matrix};
 use crate::failure::{Fault, invalid};
 use crate::work::on_threads;
-use helfrich::{Jet, MeshPoint, SmoothPoint, SmoothSurface as Smooth, Surface, TriangleMesh};
+use helfrich::{
+    Jet, MeshPoint, SmoothPoint, SmoothSurface as Smooth, Surface, TriangleMesh, VertexKind,
+};
 use helfrich_std::execute::Parallel;
 use helfrich_std::remesh::{EdgeLengths, MeshRequest, RemeshError, carried, remeshed};
 use numpy::PyArray1;
@@ -148,6 +150,9 @@ pub(crate) fn remesh<'py>(
     let triangles = input.take_faces();
     let positions = input.positions.double();
     let count = positions.len();
+    let is_same = matches!(edge, Lengths::Uniform(None))
+        && [curvature, error] == [None; 2]
+        && vertices.is_none();
     let lengths = match (edge, curvature, error) {
         (_, Some(angle), _) => EdgeLengths::ByCurvature(angle.to_radians()),
         (_, _, Some(part)) => EdgeLengths::ByError(part),
@@ -161,14 +166,14 @@ pub(crate) fn remesh<'py>(
         EdgeLengths::AtVertices(lengths) => Some(("edge", lengths.len())),
         _ => None,
     };
-    for (name, found) in ofs.chain(of_lengths) {
+    for (name, found) in of_fields.chain(of_lengths) {
         if found != count {
             return Err(invalid(format_args!(
                 "{name} has {found} numbers, but {count} are needed, one for each vertex"
             )));
         }
     }
-    let request = MeshRequest {
+    let mut request = MeshRequest {
         lengths,
         vertices,
         creases: creases.to_radians(),
@@ -177,6 +182,11 @@ pub(crate) fn remesh<'py>(
     let made = on_threads(py, None, || {
         let mesh = TriangleMesh::new(count, triangles)?;
         let surface = Surface::new(&mesh, &positions[..])?;
+        if is_same {
+            let kinds = mesh.vertex_kinds().iter();
+            let used = kinds.filter(|kind| **kind != VertexKind::Isolated);
+            request.vertices = Some(used.count());
+        }
         let made = remeshed(surface, &request, &mut |_| true);
         Ok::<_, Fault>(made.map(|made| {
             let fields = fields.iter();

@@ -202,8 +202,6 @@ def remesh(
             edge = _numbers(edge, "edge")
             if not (edge > 0).all():
                 raise ValueError("edge has lengths that are not above 0")
-    elif curvature is None and error is None and vertices is None:
-        vertices = len(np.unique(np.asarray(F)))
     found = _helfrich.remesh(
         V,
         F,
