@@ -159,7 +159,7 @@ pub(crate) fn remesh<'py>(
         (Lengths::AtVertices(lengths), ..) => EdgeLengths::AtVertices(lengths),
         (Lengths::Uniform(length), ..) => EdgeLengths::Uniform(length.unwrap_or(1.0)),
     };
-    let ofs = fields
+    let of_fields = fields
         .iter()
         .map(|(name, values)| (name.as_str(), values.len()));
     let of_lengths = match &lengths {
