@@ -17,8 +17,8 @@ use crate::smooth_surface::{SmoothPoint, SmoothSurface};
 use crate::surface::Surface;
 use alloc::vec;
 use alloc::vec::Vec;
-use ground::Ground;
-use passes::State;
+use ground::InputSurface;
+use passes::Remesher;
 
 /// Number of rounds at the end that make triangles Delaunay ones.
 const LAST: usize = 4;
@@ -69,8 +69,8 @@ impl<T: Real> SmoothSurface<T> {
         settings: &Remeshing<'_, T>,
         go_on: &mut dyn FnMut(f64) -> bool,
     ) -> Option<Remeshed<T>> {
-        let ground = Ground::new(self.surface(), self.lines(), settings.sizes);
-        let mut state = State::new(ground);
+        let ground = InputSurface::new(self.surface(), self.lines(), settings.sizes);
+        let mut state = Remesher::new(ground);
         let rounds = settings.rounds + LAST;
         for round in 0..rounds {
             if !go_on(round as f64 / rounds as f64) {

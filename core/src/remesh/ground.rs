@@ -12,7 +12,7 @@ use core::array::from_fn;
 use core::iter::zip;
 
 /// The input, with its kept lines, and the edge length that is wanted at each of its vertices.
-pub(super) struct Ground<'a, T> {
+pub(super) struct InputSurface<'a, T> {
     pub(super) surface: Surface<'a, T>,
     pub(super) corners: EditableMesh,
     /// The same triangles, cut along the lines, which no path crosses.
@@ -43,7 +43,7 @@ impl<T: Real> Spot<T> {
 /// The largest turn of a line at a vertex that is not one of its corners: 45°.
 const CORNER: f64 = core::f64::consts::FRAC_1_SQRT_2;
 
-impl<'a, T: Real> Ground<'a, T> {
+impl<'a, T: Real> InputSurface<'a, T> {
     pub(super) fn new(surface: Surface<'a, T>, lines: &[[u32; 2]], sizes: &'a [T]) -> Self {
         assert_eq!(sizes.len(), surface.positions().len(), "sizes at vertices");
         let corners = EditableMesh::with_lines(surface.mesh(), lines);

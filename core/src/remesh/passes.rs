@@ -1,6 +1,6 @@
 //! Passes over a new mesh: splits, collapses, flips and movements of vertices.
 
-use super::ground::{Ground, Spot};
+use super::ground::{InputSurface, Spot};
 use crate::edit::{EditableMesh, Freedom};
 use crate::face_tree::MeshPoint;
 use crate::lane::Lane;
@@ -41,14 +41,14 @@ const COMPASS: [(f64, f64); 8] = {
 
 /// The worst of some triangles.
 #[derive(Clone, Copy)]
-struct Shape<T> {
+struct WorstTriangle<T> {
     /// The least cosine between the normal of one and those of the input at its corners.
     outward: T,
     /// The cosine of the smallest angle.
     cosine: T,
 }
 
-impl<T: Real> Shape<T> {
+impl<T: Real> WorstTriangle<T> {
     /// Whether these are good triangles, or not worse than others.
     fn is_as_good_as(self, other: Self) -> bool {
         self.outward >= other.outward.min(T::constant(OUTWARD))
@@ -57,8 +57,8 @@ impl<T: Real> Shape<T> {
 }
 
 /// A new mesh in work.
-pub(super) struct State<'a, T> {
-    pub(super) ground: Ground<'a, T>,
+pub(super) struct Remesher<'a, T> {
+    pub(super) ground: InputSurface<'a, T>,
     pub(super) edited: EditableMesh,
     /// Where the vertices are on the input.
     pub(super) places: Vec<MeshPoint<T>>,
@@ -71,8 +71,8 @@ pub(super) struct State<'a, T> {
     pub(super) factor: T,
 }
 
-impl<'a, T: Real> State<'a, T> {
-    pub(super) fn new(ground: Ground<'a, T>) -> Self {
+impl<'a, T: Real> Remesher<'a, T> {
+    pub(super) fn new(ground: InputSurface<'a, T>) -> Self {
         let mesh = ground.surface.mesh();
         let used = |vertex: u32| mesh.valence(vertex as usize) > 0;
         let vertices = 0..mesh.vertex_count() as u32;
@@ -503,8 +503,8 @@ impl<'a, T: Real> State<'a, T> {
     }
 
     /// The worst of these triangles.
-    fn shape(&self, triangles: &[[u32; 3]]) -> Shape<T> {
-        let mut worst = Shape {
+    fn shape(&self, triangles: &[[u32; 3]]) -> WorstTriangle<T> {
+        let mut worst = WorstTriangle {
             outward: T::one(),
             cosine: -T::one(),
         };

@@ -2,6 +2,7 @@
 
 use helfrich::edit::{EditableMesh, Freedom, Refusal};
 use helfrich::{TriangleMesh, VertexKind};
+use helfrich_tests::meshes;
 use proptest::prelude::*;
 
 /// One edit, of the edge with this number modulo the number of edges.
@@ -39,15 +40,14 @@ fn sheet(n: u32, m: u32) -> TriangleMesh {
     TriangleMesh::new((n * m) as usize, triangles.collect()).expect("a sheet")
 }
 
-fn tetrahedron() -> TriangleMesh {
-    let triangles = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
-    TriangleMesh::new(4, triangles).expect("a tetrahedron")
-}
-
 /// Meshes with lines: closed, with holes, with a line around a torus, and across a sheet.
-fn meshes() -> Vec<(&'static str, TriangleMesh, Vec<[u32; 2]>)> {
+fn with_lines() -> Vec<(&'static str, TriangleMesh, Vec<[u32; 2]>)> {
     vec![
-        ("tetrahedron", tetrahedron(), Vec::new()),
+        (
+            "tetrahedron",
+            meshes::tetrahedron().connectivity,
+            Vec::new(),
+        ),
         ("torus", torus(5, 6), Vec::new()),
         ("sheet", sheet(5, 4), Vec::new()),
         (
@@ -122,7 +122,7 @@ proptest! {
     /// Also: half-edges are consistent, no hole and no line appears or vanishes, refused edits change nothing.
     #[test]
     fn edits_leave_an_oriented_manifold_of_the_same_topology(edits in edits()) {
-        for (name, mesh, lines) in meshes() {
+        for (name, mesh, lines) in with_lines() {
             let mut edited = EditableMesh::with_lines(&mesh, &lines);
             let before = line_ends(&edited);
             for &edit in &edits {
@@ -223,7 +223,7 @@ fn refusals_name_the_reason() {
         strip.collapse(across),
         Err(Refusal::FixedVertex { .. } | Refusal::Topology)
     ));
-    let mut closed = EditableMesh::new(&tetrahedron());
+    let mut closed = EditableMesh::new(&meshes::tetrahedron().connectivity);
     let any = edge(&closed, 0, 1);
     assert!(matches!(
         closed.flip(any),

@@ -60,7 +60,7 @@ fn mean_curvatures(mesh: &TriangleMesh, positions: &[[f64; 3]]) -> Vec<f64> {
     found.iter().map(|curvature| curvature.mean).collect()
 }
 
-fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+fn worst(values: impl IntoIterator<Item = f64>) -> f64 {
     values.into_iter().fold(0.0, f64::max)
 }
 
@@ -86,7 +86,7 @@ fn curvatures_survive_even_triangles() {
         let surface = Surface::new(&made.mesh, &made.positions).expect("positions");
         let exact = made.preimages.iter().map(|&at| shape.at(at).mean);
         let found = mean_curvatures(&made.mesh, &made.positions);
-        let of_input = largest(exact.zip(found).map(|(exact, found)| (found - exact).abs()));
+        let of_input = worst(exact.zip(found).map(|(exact, found)| (found - exact).abs()));
         let smooth = smooth(surface);
         let remeshed = even(&smooth, vertices);
         let places = positions(&remeshed);
@@ -103,7 +103,7 @@ fn curvatures_survive_even_triangles() {
             .iter()
             .zip(found)
             .map(|(&at, found)| (found - of_ellipsoid(at)).abs());
-        let error = largest(errors);
+        let error = worst(errors);
         assert!(error < 5.0 * of_input, "{vertices}: {error} {of_input}");
         assert!(error < before / 8.0, "{vertices}: {error} {before}");
         before = error;
@@ -122,7 +122,7 @@ fn rows_become_even() {
     let angles = smallest_angles(&remeshed.mesh, &places);
     assert!(angles[0] > 30.0, "{}", angles[0]);
     let found = mean_curvatures(&remeshed.mesh, &places);
-    let error = largest(found.iter().map(|mean| (mean - 1.0).abs()));
+    let error = worst(found.iter().map(|mean| (mean - 1.0).abs()));
     assert!(error < 0.01, "{error}");
 }
 
@@ -142,12 +142,12 @@ fn borders_keep_their_curve() {
                 let is_rim = remeshed.mesh.vertex_kind(vertex) == VertexKind::Boundary;
                 is_rim.then(|| (z - height).abs().max((x.hypot(*y) - radius).abs()))
             });
-            let off = largest(rim);
+            let off = worst(rim);
             assert!(
                 off < 3e-5 * 16.0 * (8.0 / f64::from(rings)).powi(4),
                 "{rings}: {off}"
             );
-            let off = largest(places.iter().map(|&at| (norm(at) - 1.0).abs()));
+            let off = worst(places.iter().map(|&at| (norm(at) - 1.0).abs()));
             assert!(off < before, "{rings}: {off}");
             let angles = smallest_angles(&remeshed.mesh, &places);
             assert!(angles[0] > 25.0, "{}", angles[0]);
@@ -176,7 +176,7 @@ fn creases_stay_sharp() {
             let [side, end] = [(x.hypot(y) - 1.0).abs(), (z.abs() - 1.0).abs()];
             side.min(end)
         };
-        let error = largest(places.iter().map(|&at| off(at)));
+        let error = worst(places.iter().map(|&at| off(at)));
         assert!(error < 1e-5, "{error}");
         let on_rim = places
             .iter()

@@ -47,7 +47,7 @@ pub(super) enum Kinds<'a> {
 
 /// A number of a [`CellList`], by its index there.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Part {
+pub(super) enum CellPart {
     /// All numbers.
     All,
     Node(usize),
@@ -56,7 +56,7 @@ pub(super) enum Part {
 }
 
 /// The faces of a data set, and the number of triangles of each cell.
-pub(super) struct Cells {
+pub(super) struct CellFaces {
     pub(super) builder: MeshBuilder,
     /// The number of triangles of each cell.
     pub(super) triangles: Vec<u32>,
@@ -64,7 +64,7 @@ pub(super) struct Cells {
     solid: Option<(&'static str, Position)>,
 }
 
-impl Cells {
+impl CellFaces {
     pub(super) fn new(first: usize) -> Self {
         Self {
             builder: MeshBuilder::new(first),
@@ -122,10 +122,10 @@ impl Cells {
     pub(super) fn add_list(
         &mut self,
         list: &CellList<'_>,
-        position: &dyn Fn(Part) -> Position,
+        position: &dyn Fn(CellPart) -> Position,
     ) -> Result<(), ParseError> {
         // All faces get the position of the first, because counting lines for each would take too long.
-        let here = position(Part::All);
+        let here = position(CellPart::All);
         let (mut start, mut nodes) = (0, Vec::new());
         for (index, &end) in list.ends.iter().enumerate() {
             let element = self.builder.next_face();
@@ -136,7 +136,7 @@ impl Cells {
                     expected: "ends of polygons that rise, and are no larger than the connectivity",
                     found: format!("`{end}`"),
                 };
-                return Err(problem.at(position(Part::End(index)), Some(element)));
+                return Err(problem.at(position(CellPart::End(index)), Some(element)));
             };
             let kind = match list.kinds {
                 Kinds::All(kind) => kind,
@@ -146,7 +146,7 @@ impl Cells {
                         let found = number.map_or("none".to_owned(), |type_| format!("`{type_}`"));
                         let expected = "the number of a type of cells, such as 5 for triangles";
                         let problem = Problem::Expected { expected, found };
-                        problem.at(position(Part::Type(index)), None)
+                        problem.at(position(CellPart::Type(index)), None)
                     })?
                 }
             };
@@ -160,7 +160,7 @@ impl Cells {
                         vertices: list.vertices,
                         first: 0,
                     };
-                    problem.at(position(Part::Node(start + place)), Some(element))
+                    problem.at(position(CellPart::Node(start + place)), Some(element))
                 })?);
             }
             self.add(kind, &nodes, here);

@@ -18,7 +18,7 @@ use super::{
 
 /// The storage of numbers.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Encoding {
+enum TextEncoding {
     Text,
     Base64,
     Compressed,
@@ -34,7 +34,7 @@ struct Array<'a> {
     number: Number,
     counts: [usize; 2],
     is_by_column: bool,
-    encoding: Encoding,
+    encoding: TextEncoding,
     is_big_endian: bool,
     data: &'a [u8],
 }
@@ -198,9 +198,9 @@ fn array<'a>(bytes: &'a [u8], tag: &Tag<'a>) -> Result<Array<'a>, ParseError> {
         is_by_column: of("ArrayIndexingOrder") == "ColumnMajorOrder",
         // Early files have other names.
         encoding: match of("Encoding") {
-            "ASCII" | "GIFTI_ENCODING_ASCII" => Encoding::Text,
-            "Base64Binary" | "GIFTI_ENCODING_B64BIN" => Encoding::Base64,
-            "GZipBase64Binary" | "GIFTI_ENCODING_B64GZ" => Encoding::Compressed,
+            "ASCII" | "GIFTI_ENCODING_ASCII" => TextEncoding::Text,
+            "Base64Binary" | "GIFTI_ENCODING_B64BIN" => TextEncoding::Base64,
+            "GZipBase64Binary" | "GIFTI_ENCODING_B64GZ" => TextEncoding::Compressed,
             found => {
                 let expected = "the encoding ASCII, Base64Binary or GZipBase64Binary";
                 return Err(wrong(bytes, tag, expected, found));
@@ -227,7 +227,7 @@ impl Array<'_> {
             };
             problem.at(self.position(), None)
         };
-        if self.encoding == Encoding::Text {
+        if self.encoding == TextEncoding::Text {
             let mut tokens = Tokens::new(self.data);
             let numbers = tokens.floats(count, self.number, "a number");
             return Ok(self.by_rows(numbers.map_err(|_| damaged())?));
@@ -235,7 +235,7 @@ impl Array<'_> {
         let text = self.data.iter().filter(|byte| !byte.is_ascii_whitespace());
         let bytes = STANDARD.decode(Vec::from_iter(text.copied()));
         let mut bytes = bytes.map_err(|_| damaged())?;
-        if self.encoding == Encoding::Compressed {
+        if self.encoding == TextEncoding::Compressed {
             let mut whole = Vec::new();
             gzip::inflated(&bytes, DataFormat::Zlib, budget, &mut whole)
                 .map_err(|problem| problem.at(self.position(), None))?

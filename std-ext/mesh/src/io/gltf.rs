@@ -13,8 +13,8 @@ use std::io::{self, Write};
 use glam::{DMat4, DQuat, DVec3};
 
 use self::accessor::Buffers;
-use self::document::{Document, Node, Primitive};
-use super::cells::{Cell, Cells};
+use self::document::{Document, GltfNode, Primitive};
+use super::cells::{Cell, CellFaces};
 use super::{Element, MeshBuilder, ParseError, Position, Problem, Reading, finite};
 
 pub(super) const MAGIC: &[u8] = b"glTF";
@@ -33,10 +33,10 @@ pub(super) fn parse(bytes: &[u8], reading: Reading<'_>) -> Result<MeshBuilder, P
     };
     let document = Document::parse(json)?;
     let buffers = Buffers::new(&document, (bytes, binary), reading)?;
-    let mut scene = Scene {
+    let mut scene = Gathered {
         document: &document,
         buffers,
-        cells: Cells::new(0),
+        cells: CellFaces::new(0),
         reading,
     };
     scene.add_nodes()?;
@@ -88,14 +88,14 @@ fn parts(bytes: &[u8]) -> Result<Parts<'_>, ParseError> {
 }
 
 /// The mesh of a scene while its nodes are visited.
-struct Scene<'a> {
+struct Gathered<'a> {
     document: &'a Document,
     buffers: Buffers<'a>,
-    cells: Cells,
+    cells: CellFaces,
     reading: Reading<'a>,
 }
 
-impl Scene<'_> {
+impl Gathered<'_> {
     /// Adds the meshes of the default scene, or of all root nodes if there is no scene.
     fn add_nodes(&mut self) -> Result<(), ParseError> {
         let document = self.document;
@@ -268,7 +268,7 @@ impl Tree {
 }
 
 /// The transformation from the coordinates of a node to those of its parent.
-fn local(node: &Node) -> DMat4 {
+fn local(node: &GltfNode) -> DMat4 {
     match &node.matrix {
         Some(matrix) => DMat4::from_cols_array(matrix),
         None => DMat4::from_scale_rotation_translation(

@@ -6,7 +6,7 @@
 
 mod data;
 
-use super::cells::{Cell, CellList, Cells, Kinds, Part, at_triangles};
+use super::cells::{Cell, CellFaces, CellList, CellPart, Kinds, at_triangles};
 use super::number::Number;
 use super::tokens::Tokens;
 use super::{Column, ColumnPlace, Columns, ParseError, Parsed, Position, Problem, Reading, finite};
@@ -44,7 +44,7 @@ const POLYGONS: usize = 2;
 pub(super) fn parse(bytes: &[u8], reading: Reading<'_>) -> Result<Parsed, ParseError> {
     let mut tokens = Tokens::new(bytes);
     header(bytes, &mut tokens)?;
-    let mut cells = Cells::new(0);
+    let mut cells = CellFaces::new(0);
     let content = content(&mut tokens, &mut cells, reading)?;
     add_cells(&content, &mut cells)?;
     let vertices = cells.builder.positions.len();
@@ -97,7 +97,7 @@ fn keyword(word: Option<&[u8]>) -> String {
 
 fn content(
     tokens: &mut Tokens<'_>,
-    cells: &mut Cells,
+    cells: &mut CellFaces,
     reading: Reading<'_>,
 ) -> Result<Content, ParseError> {
     const COUNT: &str = "a number of points or cells";
@@ -168,7 +168,7 @@ fn number(tokens: &mut Tokens<'_>) -> Result<Number, ParseError> {
 
 fn points(
     tokens: &mut Tokens<'_>,
-    cells: &mut Cells,
+    cells: &mut CellFaces,
     reading: Reading<'_>,
 ) -> Result<(), ParseError> {
     let count: usize = tokens.parsed("the number of points")?;
@@ -234,7 +234,7 @@ fn read_list(tokens: &mut Tokens<'_>) -> Result<List, ParseError> {
     Ok(List { at, nodes, ends })
 }
 
-fn add_cells(content: &Content, cells: &mut Cells) -> Result<(), ParseError> {
+fn add_cells(content: &Content, cells: &mut CellFaces) -> Result<(), ParseError> {
     let vertices = cells.builder.positions.len();
     if !content.has_points {
         return Err(Problem::Undeclared { missing: "POINTS" }.anywhere());
@@ -256,7 +256,7 @@ fn add_cells(content: &Content, cells: &mut Cells) -> Result<(), ParseError> {
             vertices,
         };
         cells.add_list(&list, &|part| match (part, types) {
-            (Part::Type(_), Some((at, _))) => *at,
+            (CellPart::Type(_), Some((at, _))) => *at,
             _ => *at,
         })?;
     }

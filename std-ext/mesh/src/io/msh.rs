@@ -10,7 +10,7 @@ mod types;
 use std::collections::HashMap;
 
 use self::types::of_gmsh;
-use super::cells::{Cell, Cells, at_triangles};
+use super::cells::{Cell, CellFaces, at_triangles};
 use super::number::Number;
 use super::tokens::Tokens;
 use super::{Column, ColumnPlace, Columns, Element, ParseError, Parsed, Problem, Reading, finite};
@@ -40,7 +40,7 @@ struct Reader<'a> {
     /// The type of counts, and of tags in version 4.1.
     size: Number,
     reading: Reading<'a>,
-    cells: Cells,
+    cells: CellFaces,
     /// The vertices of the tags of nodes, and the cells of the tags of elements if columns are read.
     nodes: HashMap<i64, u32>,
     elements: HashMap<i64, u32>,
@@ -65,7 +65,7 @@ pub(super) fn parse(bytes: &[u8], reading: Reading<'_>) -> Result<Parsed, ParseE
         version,
         size,
         reading,
-        cells: Cells::new(0),
+        cells: CellFaces::new(0),
         nodes: HashMap::new(),
         elements: HashMap::new(),
         geometrical: Vec::new(),

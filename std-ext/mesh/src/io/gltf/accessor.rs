@@ -7,7 +7,7 @@ use base64::engine::general_purpose::{STANDARD, STANDARD_NO_PAD};
 
 use super::super::number::Number;
 use super::super::{Budget, ParseError, Position, Problem, Reading, read_whole};
-use super::document::{Document, Stored, View};
+use super::document::{Document, StoredBytes, View};
 use super::wrong;
 
 /// The buffers of a file.
@@ -19,14 +19,14 @@ pub(super) struct Buffers<'a> {
 }
 
 /// The numbers of an accessor.
-pub(super) struct Numbers {
+pub(super) struct AccessorNumbers {
     pub(super) values: Vec<f64>,
     /// The place of the first number, and the bytes of each.
     start: usize,
     size: usize,
 }
 
-impl Numbers {
+impl AccessorNumbers {
     /// The place of a number: in the file if its buffer is there, else in the buffer.
     pub(super) fn position(&self, index: usize) -> Position {
         Position::Byte(self.start + self.size * index)
@@ -67,7 +67,7 @@ impl<'a> Buffers<'a> {
     }
 
     /// The numbers of an accessor of this shape.
-    pub(super) fn numbers(&self, at: usize, shape: &str) -> Result<Numbers, ParseError> {
+    pub(super) fn numbers(&self, at: usize, shape: &str) -> Result<AccessorNumbers, ParseError> {
         let accessor = self.document.accessors.get(at);
         let accessor =
             accessor.ok_or_else(|| wrong("the number of an accessor", format!("{at}")))?;
@@ -83,7 +83,7 @@ impl<'a> Buffers<'a> {
             Some(_) => self.stored(stored, number, accessor.count, components)?,
             None => {
                 self.take(accessor.count.saturating_mul(components))?;
-                Numbers {
+                AccessorNumbers {
                     values: vec![0.0; accessor.count * components],
                     start: 0,
                     size: 0,
@@ -123,11 +123,11 @@ impl<'a> Buffers<'a> {
     /// Numbers in a view of a buffer.
     fn stored(
         &self,
-        stored: Stored,
+        stored: StoredBytes,
         number: Number,
         count: usize,
         components: usize,
-    ) -> Result<Numbers, ParseError> {
+    ) -> Result<AccessorNumbers, ParseError> {
         let at = stored.buffer_view.unwrap_or(usize::MAX);
         let view = self.document.buffer_views.get(at);
         let view = view.ok_or_else(|| wrong("the number of a view", format!("{at}")))?;
@@ -150,7 +150,7 @@ impl<'a> Buffers<'a> {
             let tuple = own[at * stride..][..whole].chunks_exact(number.size());
             values.extend(tuple.map(|stored| number.float(stored, false)));
         }
-        Ok(Numbers {
+        Ok(AccessorNumbers {
             values,
             start: first + view.byte_offset + stored.byte_offset,
             size: stride / components,
@@ -161,7 +161,7 @@ impl<'a> Buffers<'a> {
 /// The bytes of the numbers of an accessor in its buffer.
 fn range(
     view: &View,
-    stored: Stored,
+    stored: StoredBytes,
     count: usize,
     stride: usize,
     whole: usize,

@@ -16,9 +16,9 @@ const COMPRESSED: [&str; 3] = [
 pub(super) struct Document {
     pub(super) scene: Option<usize>,
     #[serde(default)]
-    pub(super) scenes: Vec<Scene>,
+    pub(super) scenes: Vec<GltfScene>,
     #[serde(default)]
-    pub(super) nodes: Vec<Node>,
+    pub(super) nodes: Vec<GltfNode>,
     #[serde(default)]
     pub(super) meshes: Vec<Mesh>,
     #[serde(default)]
@@ -32,14 +32,14 @@ pub(super) struct Document {
 }
 
 #[derive(Debug, Deserialize)]
-pub(super) struct Scene {
+pub(super) struct GltfScene {
     #[serde(default)]
     pub(super) nodes: Vec<usize>,
 }
 
 /// A node of the scene. Most nodes have few of these, so that boxes keep them small.
 #[derive(Debug, Deserialize)]
-pub(super) struct Node {
+pub(super) struct GltfNode {
     pub(super) mesh: Option<usize>,
     #[serde(default)]
     pub(super) children: Vec<usize>,
@@ -84,8 +84,8 @@ pub(super) struct Accessor {
 }
 
 impl Accessor {
-    pub(super) fn stored(&self) -> Stored {
-        Stored {
+    pub(super) fn stored(&self) -> StoredBytes {
+        StoredBytes {
             buffer_view: self.buffer_view,
             byte_offset: self.byte_offset,
             component_type: self.component_type,
@@ -96,7 +96,7 @@ impl Accessor {
 /// A place in a view, and the type of the numbers there.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
-pub(super) struct Stored {
+pub(super) struct StoredBytes {
     pub(super) buffer_view: Option<usize>,
     #[serde(default)]
     pub(super) byte_offset: usize,
@@ -109,8 +109,8 @@ pub(super) struct Stored {
 #[derive(Debug, Deserialize)]
 pub(super) struct Sparse {
     pub(super) count: usize,
-    pub(super) indices: Stored,
-    pub(super) values: Stored,
+    pub(super) indices: StoredBytes,
+    pub(super) values: StoredBytes,
 }
 
 #[derive(Debug, Deserialize)]

@@ -1,6 +1,6 @@
 //! The faces of a PolyData or UnstructuredGrid file as a mesh.
 
-use super::super::cells::{Cell, CellList, Cells, Kinds, Part, at_triangles};
+use super::super::cells::{Cell, CellFaces, CellList, CellPart, Kinds, at_triangles};
 use super::super::xml::{Tag, Tags, line_of};
 use super::super::{
     Budget, Column, ColumnPlace, Columns, ParseError, Parsed, Problem, Reading, Unknown, finite,
@@ -38,7 +38,7 @@ struct Outline<'a> {
 
 pub(in crate::io) fn parse(bytes: &[u8], reading: Reading<'_>) -> Result<Parsed, ParseError> {
     let Outline { storage, pieces } = outline(bytes, reading)?;
-    let mut cells = Cells::new(0);
+    let mut cells = CellFaces::new(0);
     let mut starts = Vec::new();
     for piece in &pieces {
         starts.push(cells.triangles.len());
@@ -246,7 +246,7 @@ impl Piece<'_> {
 
     fn add_to(
         &self,
-        cells: &mut Cells,
+        cells: &mut CellFaces,
         storage: &Storage<'_>,
         unknown: Unknown,
     ) -> Result<(), ParseError> {
@@ -288,7 +288,7 @@ impl Section<'_> {
     /// Adds the cells, which are all of one kind if they have no types. Their nodes count from `before`.
     fn add_to(
         &self,
-        cells: &mut Cells,
+        cells: &mut CellFaces,
         kind: Cell,
         before: usize,
         vertices: usize,
@@ -315,10 +315,10 @@ impl Section<'_> {
             vertices,
         };
         cells.add_list(&list, &|part| match (part, &types) {
-            (Part::Node(index), _) => corners.position(file, index),
-            (Part::End(index), _) => ends.position(file, index),
-            (Part::Type(index), Some(types)) => types.position(file, index),
-            (Part::All | Part::Type(_), _) => corners.first_position(file),
+            (CellPart::Node(index), _) => corners.position(file, index),
+            (CellPart::End(index), _) => ends.position(file, index),
+            (CellPart::Type(index), Some(types)) => types.position(file, index),
+            (CellPart::All | CellPart::Type(_), _) => corners.first_position(file),
         })
     }
 }
