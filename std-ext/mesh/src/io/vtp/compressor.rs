@@ -3,9 +3,6 @@
 //! Sources: *VTK file formats* (docs.vtk.org, XML formats); the .xz file format 1.2.1 (tukaani.org), in which VTK
 //! stores a block of LZMA.
 
-use std::io::Read;
-
-use lzma_rust2::Lzma2Reader;
 use miniz_oxide::inflate::decompress_to_vec_zlib_with_limit;
 
 /// A compressor of blocks.
@@ -38,12 +35,13 @@ impl Compressor {
                 Some(whole)
             }
             Self::Lzma => {
-                let data = after_xz_headers(block)?;
-                // No distance in the data is longer than the data, whatever the header says.
-                let reader = Lzma2Reader::new(data, u32::try_from(length).ok()?, None);
+                let mut data = after_xz_headers(block)?;
+                // The decoder keeps what it has unpacked, so that its length is checked before.
+                if unpacked_length(data)? > length {
+                    return None;
+                }
                 let mut whole = Vec::new();
-                let limit = length as u64 + 1;
-                reader.take(limit).read_to_end(&mut whole).ok()?;
+                lzma_rs::lzma2_decompress(&mut data, &mut whole).ok()?;
                 Some(whole)
             }
         }
@@ -73,4 +71,34 @@ fn after_xz_headers(file: &[u8]) -> Option<&[u8]> {
     }
     let is_plain = flags & FILTERS == 0 && fields.first() == Some(&LZMA2);
     is_plain.then(|| block.get(4 * (usize::from(size) + 1)..))?
+}
+
+/// The length of data of LZMA2 that its chunks state; `None` if they do not end.
+fn unpacked_length(mut data: &[u8]) -> Option<usize> {
+    // Kinds of chunks. The lowest five bits of a packed one are the highest of its length.
+    const END: u8 = 0;
+    const STORED: [u8; 2] = [1, 2];
+    const PACKED: u8 = 0x80;
+    const WITH_PROPERTIES: u8 = 0xc0;
+    let mut total = 0_usize;
+    loop {
+        let (&kind, rest) = data.split_first()?;
+        let number = |at: usize| {
+            Some(usize::from(u16::from_be_bytes(
+                rest.get(at..at + 2)?.try_into().ok()?,
+            )))
+        };
+        let (length, header, packed) = match kind {
+            END => return Some(total),
+            _ if STORED.contains(&kind) => (number(0)? + 1, 2, number(0)? + 1),
+            PACKED.. => {
+                let high = usize::from(kind & 0x1f) << 16;
+                let properties = usize::from(kind >= WITH_PROPERTIES);
+                (high + number(0)? + 1, 4 + properties, number(2)? + 1)
+            }
+            _ => return None,
+        };
+        total = total.checked_add(length)?;
+        data = rest.get(header + packed..)?;
+    }
 }
