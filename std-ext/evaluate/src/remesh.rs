@@ -272,10 +272,13 @@ pub fn carried(smooth: &SmoothSurface<f64>, places: &[MeshPoint<f64>], field: &[
             let apart = (0..3)
                 .map(|axis| (above.position[axis] - below.position[axis]) * above.normal[axis]);
             let value = middle + apart.sum::<f64>() / (2.0 * step);
-            // Beyond the values at the corners by more than their differences, a fit is not to be trusted.
+            // Beyond the values around the corners by more than their differences, a fit is not to be trusted.
             let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-            for (corner, _) in corners(place) {
-                (low, high) = (low.min(corner), high.max(corner));
+            for corner in surface.mesh().triangles()[place.triangle] {
+                for &other in surface.mesh().one_ring(corner as usize) {
+                    let value = field[other as usize];
+                    (low, high) = (low.min(value), high.max(value));
+                }
             }
             let room = high - low;
             if (low - room..=high + room).contains(&value) {
