@@ -213,10 +213,11 @@ pub fn old_triangles(made: &Remeshed<f64>) -> Vec<usize> {
 }
 
 /// The values of a field at places of a surface, from those at its vertices: integers, which may be labels, from the
-/// nearest corner; other fields with errors of order 7, or 9 from 2500 vertices on.
+/// nearest corner; other fields as accurate as the positions of the surface.
 ///
 /// The vertices are moved by ±ε times the field along their normals: the smooth surfaces through them are apart by
-/// 2 ε times the field. Where they are not smooth, values are interpolated linearly.
+/// 2 ε times the field. Where they are not smooth, or their fits choose other neighbours, values are interpolated
+/// linearly.
 ///
 /// # Panics
 /// If a vertex has no value, or a place is in a triangle that does not exist.
