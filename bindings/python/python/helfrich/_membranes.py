@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Optional
+from typing import Any, Dict, Optional
 
 import numpy as np
 
@@ -141,10 +141,30 @@ def _membrane(V: np.ndarray, F: Any, bending: tuple, threads: Optional[int]) -> 
     return Membrane(F, effect, vertices=len(V), threads=threads)
 
 
+def _described(name: str) -> Dict[str, Any]:
+    """The entry of a method in `METHODS`, by its name or letter; empty if there is none."""
+    known = (m for m in _helfrich.METHODS if name.lower() in (m["name"], (m["letter"] or "").lower()))
+    return next(known, {})
+
+
 def _has_force(name: str) -> bool:
-    known = (
-        method["has_force"]
-        for method in _helfrich.METHODS
-        if name.lower() in (method["name"], (method["letter"] or "").lower())
-    )
-    return next(known, True)
+    return _described(name).get("has_force", True)
+
+
+def differentiable(membrane: Any) -> Membrane:
+    """The membrane, if its forces are the exact negative gradients of its energy."""
+    if not isinstance(membrane, Membrane):
+        raise TypeError(f"membrane is {_checks.shown(membrane)}: a helfrich.Membrane is needed")
+    (_, *effects), _ = membrane.__getnewargs_ex__()
+    for effect in effects:
+        if isinstance(effect, Bending) and not _described(effect.method).get("is_conservative"):
+            exact = ", ".join(m["name"] for m in _helfrich.METHODS if m["is_conservative"])
+            raise ValueError(
+                f"the method {effect.method} has forces that are no gradient of an energy: choose one of {exact}"
+            )
+        if getattr(effect, "exact", False):
+            raise ValueError(
+                f"{type(effect).__name__} with exact=True is no energy, and removes a part of the forces: give it a "
+                "modulus instead"
+            )
+    return membrane
