@@ -64,7 +64,7 @@ mod _helfrich {
     use super::membrane::Membrane;
     #[pymodule_export]
     use super::meshes::{
-        divided, inspect, read, repair, repair_file, shape, subdivide, weld, write,
+        components, divided, inspect, read, repair, repair_file, shape, subdivide, weld, write,
     };
     #[pymodule_export]
     use super::operators::{gradient, laplacian, stiffness};

@@ -159,6 +159,25 @@ pub(crate) fn inspect<'py>(
     Ok(report)
 }
 
+/// The connected component of each vertex, from 0 in the order of their first vertices.
+#[pyfunction]
+pub(crate) fn components<'py>(
+    py: Python<'py>,
+    positions: &Bound<'py, PyAny>,
+    faces: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyArray1<i64>>> {
+    let mut input = Input::new(positions, faces)?;
+    let triangles = input.take_faces();
+    let positions = input.positions.double();
+    let found = on_threads(py, None, || {
+        let mesh = TriangleMesh::new(positions.len(), triangles)?;
+        Surface::new(&mesh, &positions[..])?;
+        Ok::<_, Fault>(mesh.components().0)
+    })?;
+    let signed = found?.into_iter().map(i64::from);
+    Ok(PyArray1::from_vec(py, signed.collect()))
+}
+
 /// Merges vertices; the last array has the new vertex of each old one.
 #[pyfunction]
 pub(crate) fn weld<'py>(

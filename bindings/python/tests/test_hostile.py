@@ -133,6 +133,15 @@ CALLS = {
         of("mass|areas", [None, *TEXT], lambda value: h.laplacian(V, F, mass=value)),
     ],
     "gradient": [of_mesh(h.gradient)],
+    "geodesic_distance": [
+        of_mesh(lambda V, F: h.geodesic_distance(V, F, sources=0)),
+        of("sources", [None, -1, 42, [], [0, 42], True, [True], 0.5, NAN, "a", [[0]], 2**70, object()], lambda value: h.geodesic_distance(V, F, sources=value)),
+    ],
+    "conformal_flow": [
+        of_mesh(h.conformal_flow),
+        of("steps", [None, *WHOLE], lambda value: h.conformal_flow(V, F, steps=value)),
+        of("time", LENGTH, lambda value: h.conformal_flow(V, F, time=value)),
+    ],
     "remesh": [
         of_mesh(h.remesh),
         of("vertices", [3, *WHOLE], lambda value: h.remesh(V, F, vertices=value)),
@@ -262,7 +271,7 @@ def test_every_function_is_here():
 
 @pytest.mark.parametrize("name", CALLS)
 def test_arguments_are_refused_by_name(name, tmp_path, monkeypatch):
-    if name in ("laplacian", "gradient"):
+    if name in ("laplacian", "gradient", "geodesic_distance", "conformal_flow"):
         pytest.importorskip("scipy")
     monkeypatch.chdir(tmp_path)
     wrong = [fault for cases in CALLS[name] for fault in faults(cases)]

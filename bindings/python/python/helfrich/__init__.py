@@ -16,6 +16,7 @@ from __future__ import annotations
 from . import effects
 from ._choices import Recommendation, recommend
 from ._curvatures import Curvature, Errors, Flag, curvature, gaussian_curvature, mean_curvature
+from ._diffusion import conformal_flow, geodesic_distance
 from ._errors import MeshError, MeshWarning
 from ._helfrich import METHODS, SCENES, __version__
 from ._membranes import Membrane, bending_energy, bending_force
@@ -45,9 +46,11 @@ __all__ = [
     "bending_energy",
     "bending_force",
     "check",
+    "conformal_flow",
     "curvature",
     "effects",
     "gaussian_curvature",
+    "geodesic_distance",
     "gradient",
     "laplacian",
     "mean_curvature",
