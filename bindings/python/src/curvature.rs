@@ -9,7 +9,8 @@ use helfrich::{
 };
 use helfrich_std::execute::Parallel;
 use helfrich_std::measurement::{
-    Column, ColumnValues, Measurement, principal_curvatures, verdict_bit,
+    Column, ColumnValues, Measurement, curvedness_and_shape_index, principal_curvatures,
+    verdict_bit,
 };
 use helfrich_std::method::{AnyMethod, BendingMethod, Compiled, Evaluator, Fields, MethodOptions};
 use helfrich_std::orientation::{InsideOut, inside_out};
@@ -277,25 +278,37 @@ impl<T: Number> Answer<T> {
             )
         };
         if has_gaussian {
-            for (which, name) in ["k1", "k2"].into_iter().enumerate() {
+            let principal =
+                mean.iter()
+                    .zip(gaussian)
+                    .map(|(mean, gaussian)| match (mean, gaussian) {
+                        (Some(mean), Some(gaussian)) => {
+                            let both = principal_curvatures(double(*mean), double(*gaussian));
+                            let [curvedness, index] = curvedness_and_shape_index(both);
+                            [both[0], both[1], curvedness, index]
+                        }
+                        _ => [0.0; 4],
+                    });
+            for (which, name) in ["k1", "k2", "curvedness", "shape_index"]
+                .into_iter()
+                .enumerate()
+            {
                 let values = match column(name) {
                     Some(known) => finite(known, 0.0),
-                    None => {
-                        let both = mean.iter().zip(gaussian);
-                        let principal = both.map(|(mean, gaussian)| match (mean, gaussian) {
-                            (Some(mean), Some(gaussian)) => {
-                                principal_curvatures(double(*mean), double(*gaussian))[which]
-                            }
-                            _ => 0.0,
-                        });
-                        list(py, principal.map(U::from_double).collect())
-                    }
+                    None => finite(&Vec::from_iter(principal.clone().map(|of| of[which])), 0.0),
                 };
                 arrays.set_item(name, values)?;
             }
         }
         for name in [
-            "H_error", "K_error", "k1_error", "k2_error", "f_error", "sigma",
+            "H_error",
+            "K_error",
+            "k1_error",
+            "k2_error",
+            "f_error",
+            "curvedness_error",
+            "shape_index_error",
+            "sigma",
         ] {
             let values = column(name).map(|values| finite(values, f64::INFINITY));
             arrays.set_item(name, values)?;

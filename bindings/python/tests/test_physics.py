@@ -127,6 +127,44 @@ def test_a_body_of_other_directions():
     assert (abs((found.d1 * around).sum(axis=1))[outside] < 0.1).all()
 
 
+@pytest.mark.parametrize("spec", ["torus:2,1", "ellipsoid:1,0.8,0.5"])
+@pytest.mark.parametrize("noise", [0.0, 1e-3])
+def test_curvedness_and_shape_index(spec, noise):
+    """Those of the exact k1 and k2 within their bars; a torus has all shapes from saddles to domes."""
+    V, F, exact = helfrich.shape(spec, 2562)
+    k1, k2 = exact.H + np.array([[1], [-1]]) * np.sqrt(np.maximum(exact.H**2 - exact.K, 0))
+    curvedness, index = np.sqrt((k1**2 + k2**2) / 2), 2 / np.pi * np.arctan2(k1 + k2, k1 - k2)
+    rng = np.random.default_rng(1)
+    c = helfrich.curvature(V + noise * rng.standard_normal(V.shape), F)
+    for found, bar, value in [
+        (c.curvedness, c.error.curvedness, curvedness), (c.shape_index, c.error.shape_index, index)
+    ]:  # fmt: skip
+        # Bars are for 99 of 100 vertices, of which neighbours are alike.
+        assert (abs(found - value) <= bar).mean() > 0.95
+        assert np.quantile(bar, 0.9) < (0.3 if noise else 1e-3) * value.max()
+    # Other methods without bars have those of their own k1 and k2.
+    other = helfrich.curvature(V, F, method="meyer")
+    np.testing.assert_allclose(2 * other.curvedness**2, other.k1**2 + other.k2**2, rtol=1e-12)
+    turned = np.tan(np.pi / 2 * other.shape_index) * (other.k1 - other.k2)
+    np.testing.assert_allclose(turned[other.k1 > other.k2], 2 * other.H[other.k1 > other.k2], rtol=1e-9)
+
+
+def test_shape_index_of_spheres_and_planes():
+    V, F, _ = helfrich.shape("sphere:2", 642)
+    c = helfrich.curvature(V, F)
+    assert (abs(c.shape_index - 1) <= c.error.shape_index).all() and c.error.shape_index.max() < 0.01
+    with pytest.warns(helfrich.MeshWarning, match="inside out"):
+        assert (helfrich.curvature(V, F[:, ::-1]).shape_index < -0.99).all()
+    x, y = (part.ravel() for part in np.meshgrid(np.arange(20.0), np.arange(20.0)))
+    k = (20 * np.arange(19)[:, None] + np.arange(19)).ravel()
+    F = np.concatenate([np.c_[k, k + 1, k + 20], np.c_[k + 1, k + 21, k + 20]])
+    for height in (0 * x, 1e-3 * np.random.default_rng(1).standard_normal(400)):
+        c = helfrich.curvature(np.c_[x, y, height], F)
+        assert np.isfinite(c.shape_index).all()
+        # A plane has no shape index. Bars miss one vertex of a hundred.
+        assert np.isinf(c.error.shape_index).mean() > 0.95
+
+
 def test_operators():
     pytest.importorskip("scipy")
     V, F = rough(162)

@@ -332,7 +332,7 @@ A column is empty where the method does not define it.";
 
 /// Further columns of a measurement.
 const MEASURED_COLUMNS: &str = "\
-k1, k2: principal curvatures. …_error: error bar of that column. sigma: noise of the position, a length.
+k1, k2: principal curvatures. curvedness, shape_index: their size and ratio, from -1 to 1. …_error: error bar of that column. sigma: noise of the position, a length.
 verdict: whether to trust the row, explained in docs/CHOOSING.md.";
 
 /// Writes the surface with all results as fields.

@@ -4,6 +4,7 @@
 use crate::method::Fields;
 use crate::noise;
 use helfrich::{AdaptiveJet, Estimate, Finding, Measured, Noise, Real, Surface, Verdict};
+use std::f64::consts::{FRAC_1_SQRT_2, FRAC_2_PI};
 
 /// Curvatures and force densities at every vertex of a surface, with error bars.
 #[derive(Clone, Debug, PartialEq)]
@@ -68,6 +69,30 @@ pub fn principal_curvatures(mean: f64, gaussian: f64) -> [f64; 2] {
     [mean + apart, mean - apart]
 }
 
+/// The curvedness `√((k₁² + k₂²)/2)`, in 1/length, and the shape index `(2/π) arctan((k₁ + k₂)/(k₁ − k₂))` of
+/// principal curvatures k₁ ≥ k₂: 1 on a sphere seen from outside, ½ on a cylinder, 0 on a minimal surface, −1 on a
+/// sphere seen from inside. A plane has none, and it is NaN.
+///
+/// J. J. Koenderink and A. J. van Doorn, Image Vis. Comput. 10 (1992) 557, with normals that point outward.
+pub fn curvedness_and_shape_index([larger, smaller]: [f64; 2]) -> [f64; 2] {
+    let curvedness = larger.hypot(smaller) * FRAC_1_SQRT_2;
+    if curvedness == 0.0 {
+        return [0.0, f64::NAN];
+    }
+    let index = FRAC_2_PI * (larger + smaller).atan2(larger - smaller);
+    [curvedness, index]
+}
+
+/// Error bars of curvedness and shape index: the largest changes of length and angle of the vector (k₁, k₂) within
+/// the bars of its components. That of the shape index is infinite where a plane is within them.
+fn bars_of_shape(principal: [f64; 2], [larger, smaller]: [f64; 2]) -> [f64; 2] {
+    let [curvedness, _] = curvedness_and_shape_index(principal);
+    let bar = larger.hypot(smaller) * FRAC_1_SQRT_2;
+    let is_plane = bar >= curvedness;
+    let angle = FRAC_2_PI * (bar / curvedness).asin();
+    [bar, if is_plane { f64::INFINITY } else { angle }]
+}
+
 /// The bar of a value; infinite if the value is known and the bar is not.
 fn known_bar(value: f64, bar: f64) -> f64 {
     match value.is_finite() && bar.is_nan() {
@@ -118,7 +143,7 @@ impl Measurement {
         }
     }
 
-    /// Principal curvatures and error bars of a method's results with a bending modulus: the distance
+    /// Principal curvatures, curvedness, shape index and error bars of a method's results with a bending modulus: the distance
     /// from the measurement plus the error bar of the measurement. For [`Self::fields`] they are the
     /// error bars of the measurement itself.
     pub fn columns<T: Real>(&self, fields: &Fields<T>, modulus: f64) -> Vec<Column> {
@@ -158,6 +183,18 @@ impl Measurement {
             name,
             values: ColumnValues::Scalars(values),
         };
+        let of_larger = bars(&larger, &|at| at.principal[0]);
+        let of_smaller = bars(&smaller, &|at| at.principal[1]);
+        let shape = |which: usize| {
+            self.each(|v, _| curvedness_and_shape_index([larger[v], smaller[v]])[which])
+        };
+        let of_shape = |which: usize| {
+            self.each(|v, _| {
+                bars_of_shape([larger[v], smaller[v]], [of_larger[v], of_smaller[v]])[which]
+            })
+        };
+        let [curvedness, shape_index] = [shape(0), shape(1)];
+        let [of_curvedness, of_shape_index] = [of_shape(0), of_shape(1)];
         vec![
             scalars("H_error", bars(&self.each(|v, _| mean(v)), &|at| at.mean)),
             scalars(
@@ -165,10 +202,14 @@ impl Measurement {
                 bars(&self.each(|v, _| gaussian(v)), &|at| at.gaussian),
             ),
             scalars("f_error", force),
-            scalars("k1_error", bars(&larger, &|at| at.principal[0])),
-            scalars("k2_error", bars(&smaller, &|at| at.principal[1])),
+            scalars("k1_error", of_larger),
+            scalars("k2_error", of_smaller),
             scalars("k1", larger),
             scalars("k2", smaller),
+            scalars("curvedness", curvedness),
+            scalars("curvedness_error", of_curvedness),
+            scalars("shape_index", shape_index),
+            scalars("shape_index_error", of_shape_index),
             scalars("sigma", self.each(|_, at| at.deviation)),
             Column {
                 name: "verdict",

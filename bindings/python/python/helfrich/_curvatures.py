@@ -91,6 +91,8 @@ class Errors(NamedTuple):
     k1: np.ndarray
     k2: np.ndarray
     f: np.ndarray
+    curvedness: np.ndarray
+    shape_index: np.ndarray
 
 
 class Curvature(NamedTuple):
@@ -104,6 +106,12 @@ class Curvature(NamedTuple):
     """The larger principal curvature; None if the method does not define K."""
     k2: Optional[np.ndarray]
     """The smaller principal curvature; None if the method does not define K."""
+    curvedness: Optional[np.ndarray]
+    """Curvedness √((k1² + k2²)/2), 1/length; None if the method does not define K."""
+    shape_index: Optional[np.ndarray]
+    """Shape index (2/π) arctan((k1 + k2)/(k1 − k2)) of Koenderink and van Doorn (1992): 1 on a sphere, ½ on a
+    cylinder, 0 on a minimal surface, −1 on a sphere seen from inside. Where k1 = k2 = 0 there is none, and it is 0;
+    its error bar is infinite where a plane is within those of k1 and k2. None if the method does not define K."""
     d1: Optional[np.ndarray]
     """Unit vector (n, 3) along k1, 0 near umbilics; None unless asked for."""
     d2: Optional[np.ndarray]
@@ -157,6 +165,8 @@ if TYPE_CHECKING:
         K: np.ndarray
         k1: np.ndarray
         k2: np.ndarray
+        curvedness: np.ndarray
+        shape_index: np.ndarray
 
     class _WithDirections(_OfJets):
         d1: np.ndarray
@@ -272,7 +282,7 @@ def curvature(
     Returns
     -------
     Curvature
-        `H K k1 k2 d1 d2 normal area error flags`. Values are never NaN: where one is unknown, it is
+        `H K k1 k2 curvedness shape_index d1 d2 normal area error flags`. Values are never NaN: where one is unknown, it is
         0 and flagged `Flag.UNKNOWN`.
 
     Raises
@@ -301,12 +311,14 @@ def curvature(
         raise ValueError(f"{method} has no principal directions: choose auto, or errors=True")
     bars = None
     if found["H_error"] is not None:
-        bars = Errors(*(found[f"{name}_error"] for name in ("H", "K", "k1", "k2", "f")))
+        bars = Errors(*(found[f"{name}_error"] for name in Errors._fields))
     return Curvature(
         H=found["H"],
         K=found["K"],
         k1=found.get("k1"),
         k2=found.get("k2"),
+        curvedness=found.get("curvedness"),
+        shape_index=found.get("shape_index"),
         d1=found["d1"] if directions else None,
         d2=found["d2"] if directions else None,
         normal=found["normal"],

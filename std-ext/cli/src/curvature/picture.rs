@@ -16,8 +16,22 @@ const OF_METHODS: [&str; 3] = ["H", "K", "f"];
 
 /// The quantities that a surface can be coloured by, by the names of their columns. A measurement has those
 /// that are not among [`OF_METHODS`].
-pub(super) const QUANTITIES: [&str; 11] = [
-    "H", "K", "f", "k1", "k2", "H_error", "K_error", "f_error", "k1_error", "k2_error", "sigma",
+pub(super) const QUANTITIES: [&str; 15] = [
+    "H",
+    "K",
+    "f",
+    "k1",
+    "k2",
+    "curvedness",
+    "shape_index",
+    "H_error",
+    "K_error",
+    "f_error",
+    "k1_error",
+    "k2_error",
+    "curvedness_error",
+    "shape_index_error",
+    "sigma",
 ];
 
 /// Checks a picture's name and quantity before the work starts.

@@ -8,6 +8,7 @@ use helfrich_std::io::read;
 use helfrich_std::report::noise_section;
 use helfrich_std::study::{BEST_FIXED, Bars, NoiseRow};
 use std::collections::HashMap;
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, SQRT_2};
 use std::fs;
 
 /// An ellipsoid with noise of 1e-3 of its size, a fiftieth of an edge on 2562 vertices.
@@ -80,6 +81,15 @@ fn bars_hold_for_every_method() {
             let [larger, smaller] = ["k1", "k2"].map(|name| numbers(&columns, name));
             for (vertex, &mean) in mean.iter().enumerate() {
                 assert!((0.5 * (larger[vertex] + smaller[vertex]) - mean).abs() < 1e-12);
+            }
+            let [curvedness, index] =
+                ["curvedness", "shape_index"].map(|name| numbers(&columns, name));
+            for (vertex, (&size, &index)) in curvedness.iter().zip(&index).enumerate() {
+                // (k₁, k₂) in polar coordinates, to rounding.
+                let angle = FRAC_PI_2 * index - FRAC_PI_4;
+                let [along, across] = [SQRT_2 * size * angle.cos(), SQRT_2 * size * angle.sin()];
+                assert!((along - larger[vertex]).abs() < 1e-12 * size, "{vertex}");
+                assert!((across - smaller[vertex]).abs() < 1e-12 * size, "{vertex}");
             }
             let sigma = numbers(&columns, "sigma");
             assert!(sigma.iter().all(|sigma| (0.6e-3..1.5e-3).contains(sigma)));
