@@ -5,7 +5,7 @@ use crate::failure::{Fault, invalid, unreadable, unwritable};
 use crate::work::on_threads;
 use helfrich::{Surface, TriangleMesh};
 use helfrich_std::generate::{AnyShape, Family, generate};
-use helfrich_std::info::MeshInfo;
+use helfrich_std::info::{ComponentInfo, MeshInfo, components as measures_of_components};
 use helfrich_std::io::{self, MeshFile, PointField, PointValues, Welded};
 use helfrich_std::noise::noise_seen;
 use helfrich_std::polygon;
@@ -134,11 +134,13 @@ pub(crate) fn inspect<'py>(
         let file = MeshFile::new(positions.to_vec(), mesh.clone());
         Ok::<_, Fault>((
             MeshInfo::new(surface),
+            measures_of_components(surface),
             noise_seen(surface),
             file.split_vertices(),
         ))
     })?;
-    let (info, noise, split) = found?;
+    let (info, components, noise, split) = found?;
+    let parts = Vec::from_iter(components.iter().map(|part| measures(py, part)));
     let report = PyDict::new(py);
     report.set_item("vertices", info.vertices)?;
     report.set_item("isolated_vertices", info.isolated_vertices)?;
@@ -156,7 +158,25 @@ pub(crate) fn inspect<'py>(
     report.set_item("noise", noise.length)?;
     report.set_item("noise_in_edges", noise.edges)?;
     report.set_item("degenerate_faces", info.degenerate_triangles)?;
+    let total = components.iter().map(|part| part.total_mean_curvature);
+    report.set_item("total_mean_curvature", total.sum::<f64>())?;
+    report.set_item("by_component", Result::<Vec<_>, _>::from_iter(parts)?)?;
     Ok(report)
+}
+
+/// The measures of a component by name.
+fn measures<'py>(py: Python<'py>, part: &ComponentInfo) -> PyResult<Bound<'py, PyDict>> {
+    let measures = PyDict::new(py);
+    measures.set_item("first_vertex", part.first)?;
+    measures.set_item("vertices", part.vertices)?;
+    measures.set_item("faces", part.triangles)?;
+    measures.set_item("boundary_edges", part.boundary_edges)?;
+    measures.set_item("euler_characteristic", part.euler_characteristic)?;
+    measures.set_item("genus", part.genus)?;
+    measures.set_item("area", part.area)?;
+    measures.set_item("volume", part.volume)?;
+    measures.set_item("total_mean_curvature", part.total_mean_curvature)?;
+    Ok(measures)
 }
 
 /// The connected component of each vertex, from 0 in the order of their first vertices.

@@ -274,3 +274,41 @@ def test_results_are_copied():
         other = pickle.loads(pickle.dumps(result))
         assert repr(other) == repr(result) and type(other) is type(result)
     assert pickle.loads(pickle.dumps(helfrich.MeshError("no mesh", face=3))).face == 3
+
+
+def test_components_are_split_and_measured():
+    """Interleaved vertices and faces keep their order, and each part has the measures of the mesh alone."""
+    ball, torus = helfrich.shape("sphere:2", 162), helfrich.shape("torus:3,1", 200)
+    open_ball = ball[0], ball[1][1:]
+    meshes = [(mesh[0], mesh[1].astype(int)) for mesh in (torus, ball, open_ball)]
+    sizes = [len(V) for V, _ in meshes]
+    rng = np.random.default_rng(1)
+    # The names of the vertices in the whole, ascending in each mesh; the last vertex is in no face.
+    owner = rng.permutation(np.repeat(np.arange(3), sizes))
+    names = [np.flatnonzero(owner == k) for k in range(3)]
+    whole = np.empty((sum(sizes) + 1, 3))
+    whole[-1] = 0
+    for (V, _), own in zip(meshes, names):
+        whole[own] = V
+    faces = rng.permutation(np.concatenate([own[F] for (_, F), own in zip(meshes, names)]))
+    order = sorted(range(3), key=lambda k: names[k][0])
+    parts, report = helfrich.split(whole, faces), helfrich.check(whole, faces)
+    assert len(parts) == len(report.by_component) == report.components == 3
+    for k, part, measures in zip(order, parts, report.by_component):
+        V, F = part
+        np.testing.assert_array_equal(part.vertex_of, names[k])
+        np.testing.assert_array_equal(V, meshes[k][0])
+        np.testing.assert_array_equal(part.vertex_of[F], faces[part.face_of])
+        assert (np.diff(part.face_of) > 0).all() and len(F) == len(meshes[k][1])
+        assert helfrich.check(V, F).is_mesh
+        alone = helfrich.check(*meshes[k])
+        assert measures.first_vertex == names[k][0] and measures.vertices == sizes[k]
+        for name in ("faces", "boundary_edges", "euler_characteristic", "genus"):
+            assert getattr(measures, name) == getattr(alone, name), name
+        assert (measures.volume is None) == (k == 2) == (alone.volume is None)
+        for name in ("area", "volume", "total_mean_curvature"):
+            assert (getattr(measures, name) or 0) == pytest.approx(getattr(alone, name) or 0, rel=1e-12), name
+    assert report.total_mean_curvature == pytest.approx(sum(m.total_mean_curvature for m in report.by_component))
+    # ∫ H dS is 4πR on a sphere and 2π²R on a torus, up to squares of the edges, 0.01 and 0.1.
+    assert helfrich.check(*meshes[1]).total_mean_curvature == pytest.approx(8 * np.pi, rel=0.03)
+    assert helfrich.check(*meshes[0]).total_mean_curvature == pytest.approx(6 * np.pi**2, rel=0.05)

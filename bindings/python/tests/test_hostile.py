@@ -185,6 +185,7 @@ CALLS = {
         of("vertices|vertex", [0, 3, 2**40, *WHOLE], lambda value: h.Membrane(F, vertices=value)),
         of("threads", THREADS, lambda value: h.Membrane(F, threads=value)),
     ],
+    "split": [of_mesh(h.split)],
     "subdivide": [
         of_mesh(h.subdivide),
         of("levels|triangles|vertices", [33, 32, None, *WHOLE], lambda value: h.subdivide(V, F, levels=value)),

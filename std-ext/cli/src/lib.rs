@@ -18,7 +18,7 @@ use columns::saved;
 use curvature::{CurvatureArguments, curvature};
 use helfrich::{Bandwidth, DualArea, Finding, Surface};
 use helfrich_std::execute::{available_threads, with_threads};
-use helfrich_std::info::MeshInfo;
+use helfrich_std::info::{MeshInfo, components};
 use helfrich_std::io::{
     Column, Format, MeshFile, check_replaceable, is_same_file, read, read_welded_within,
     read_with_columns, write,
@@ -398,8 +398,9 @@ fn info(arguments: &MeshArguments) -> Result<(), Failure> {
     } = load(arguments)?;
     let surface = Surface::new(&mesh, &positions).map_err(|error| Failure::mesh(path, error))?;
     let info = MeshInfo::new(surface);
+    let components = components(surface);
     let noise = noise_seen(surface);
-    print(|out| report::mesh_info(&info, &noise, out))
+    print(|out| report::mesh_info(&info, &components, &noise, out))
 }
 
 fn subdivide_file(arguments: &SubdivideArguments) -> Result<(), Failure> {

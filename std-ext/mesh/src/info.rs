@@ -1,7 +1,7 @@
 //! Properties of a mesh: counts, topology, measures and quality.
 
 use crate::orientation::{InsideOut, inside_out};
-use helfrich::{Surface, VertexKind};
+use helfrich::{Components, Functional, Prepared, Surface, TotalMeanCurvature, VertexKind};
 use std::f64::consts::PI;
 
 /// Properties of a mesh, by [`MeshInfo::new`].
@@ -94,6 +94,55 @@ impl MeshInfo {
             _ => (self.area / (4.0 * PI)).sqrt(),
         }
     }
+}
+
+/// Measures of a connected component, by [`components`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ComponentInfo {
+    /// The first of its vertices, by its number in the whole mesh.
+    pub first: usize,
+    /// Vertices.
+    pub vertices: usize,
+    /// Triangles.
+    pub triangles: usize,
+    /// Edges with only one triangle.
+    pub boundary_edges: usize,
+    /// V − E + F.
+    pub euler_characteristic: i64,
+    /// Number of handles; `None` if there is a boundary.
+    pub genus: Option<i64>,
+    /// Area.
+    pub area: f64,
+    /// Enclosed volume, negative if the triangles run clockwise; `None` if there is a boundary.
+    pub volume: Option<f64>,
+    /// Integrated mean curvature `∫ H dS`, a length, 4πR on a sphere: see [`TotalMeanCurvature`].
+    pub total_mean_curvature: f64,
+}
+
+/// The measures of each connected component, in the order of their first vertices; isolated vertices are left out.
+pub fn components(surface: Surface<'_, f64>) -> Vec<ComponentInfo> {
+    let parts = Components::new(surface.mesh()).parts(surface);
+    let measured = parts.iter().filter_map(|part| {
+        let (surface, first) = (part.surface()?, *part.vertices().first()?);
+        let mesh = surface.mesh();
+        let mut total = [0.0];
+        Prepared::new(TotalMeanCurvature, mesh).with(|functional, execution, workspace| {
+            functional.values(execution, surface, workspace, &mut total);
+        });
+        let euler_characteristic = mesh.euler_characteristic();
+        Some(ComponentInfo {
+            first: first as usize,
+            vertices: mesh.vertex_count(),
+            triangles: mesh.triangles().len(),
+            boundary_edges: mesh.boundary_edge_count(),
+            euler_characteristic,
+            genus: mesh.is_closed().then_some(1 - euler_characteristic / 2),
+            area: surface.area(),
+            volume: surface.volume(),
+            total_mean_curvature: total[0],
+        })
+    });
+    measured.collect()
 }
 
 fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {

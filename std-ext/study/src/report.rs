@@ -12,7 +12,7 @@ pub use noisy::{noise_section, noise_table};
 pub use recommendation::recommendation;
 pub use study::{conclusion, study_table, verdict_table};
 
-use crate::info::MeshInfo;
+use crate::info::{ComponentInfo, MeshInfo};
 use crate::plots::unit_of;
 use crate::run::{End, EnergyEstimate, Summary, stability};
 use crate::series::{ITERATION, TIME};
@@ -38,11 +38,19 @@ fn about_scatter(is_used: bool, out: &mut dyn Write) -> io::Result<()> {
     )
 }
 
-/// Writes the properties of a mesh, one per line.
+/// The largest number of components whose measures are written.
+const MOST_COMPONENTS: usize = 20;
+
+/// Writes the properties of a mesh and of its components, one per line.
 ///
 /// # Errors
 /// If `out` cannot be written to.
-pub fn mesh_info(info: &MeshInfo, noise: &Noise<f64>, out: &mut dyn Write) -> io::Result<()> {
+pub fn mesh_info(
+    info: &MeshInfo,
+    components: &[ComponentInfo],
+    noise: &Noise<f64>,
+    out: &mut dyn Write,
+) -> io::Result<()> {
     let mut line = |name: &str, value: String| writeln!(out, "{name:22} {value}");
     let isolated = match info.isolated_vertices {
         0 => String::new(),
@@ -68,6 +76,16 @@ pub fn mesh_info(info: &MeshInfo, noise: &Noise<f64>, out: &mut dyn Write) -> io
         None => "not defined: the mesh has a boundary".to_owned(),
     };
     line("volume", volume)?;
+    let total = components.iter().map(|part| part.total_mean_curvature);
+    line("total mean curvature", total.sum::<f64>().to_string())?;
+    if components.len() > 1 {
+        for (number, part) in (1..).zip(components.iter().take(MOST_COMPONENTS)) {
+            line(&format!("component {number}"), measures(part))?;
+        }
+        if let more @ 1.. = components.len().saturating_sub(MOST_COMPONENTS) {
+            line("", format!("and {more} more components"))?;
+        }
+    }
     for component in &info.inside_out {
         line("inside out", component.to_string())?;
     }
@@ -93,6 +111,27 @@ pub fn mesh_info(info: &MeshInfo, noise: &Noise<f64>, out: &mut dyn Write) -> io
         false => "none is seen".to_owned(),
     };
     line("noise of positions", seen)
+}
+
+/// The measures of a component in words.
+fn measures(part: &ComponentInfo) -> String {
+    let &ComponentInfo {
+        first,
+        vertices,
+        boundary_edges,
+        genus,
+        area,
+        volume,
+        total_mean_curvature,
+        ..
+    } = part;
+    let closed = match (genus, volume) {
+        (Some(genus), Some(volume)) => format!("genus {genus}, volume {volume}"),
+        _ => format!("{boundary_edges} boundary edges"),
+    };
+    format!(
+        "{vertices} vertices from {first} on, {closed}, area {area}, total mean curvature {total_mean_curvature}"
+    )
 }
 
 /// The standard deviation of noise, as a length and in edges.

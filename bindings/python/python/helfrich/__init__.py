@@ -20,7 +20,22 @@ from ._diffusion import conformal_flow, geodesic_distance
 from ._errors import MeshError, MeshWarning
 from ._helfrich import METHODS, SCENES, __version__
 from ._membranes import Membrane, bending_energy, bending_force
-from ._meshes import Exact, Problem, Repaired, Report, check, read, repair, shape, subdivide, weld, write
+from ._meshes import (
+    ComponentReport,
+    Exact,
+    Part,
+    Problem,
+    Repaired,
+    Report,
+    check,
+    read,
+    repair,
+    shape,
+    split,
+    subdivide,
+    weld,
+    write,
+)
 from ._operators import gradient, laplacian
 from ._scenes import Run, run
 from ._surfaces import Remeshed, Surface, SurfacePoints, remesh, surface
@@ -28,6 +43,7 @@ from ._surfaces import Remeshed, Surface, SurfacePoints, remesh, surface
 __all__ = [
     "METHODS",
     "SCENES",
+    "ComponentReport",
     "Curvature",
     "Errors",
     "Exact",
@@ -35,6 +51,7 @@ __all__ = [
     "Membrane",
     "MeshError",
     "MeshWarning",
+    "Part",
     "Problem",
     "Recommendation",
     "Repaired",
@@ -59,6 +76,7 @@ __all__ = [
     "repair",
     "run",
     "shape",
+    "split",
     "subdivide",
     "remesh",
     "surface",

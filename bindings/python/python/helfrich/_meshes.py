@@ -9,7 +9,7 @@ from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Tuple
 import numpy as np
 
 from . import _checks, _helfrich
-from ._arrays import both, field as field_of, positions
+from ._arrays import both, faces as faces_of, field as field_of, positions
 from ._errors import MeshError
 
 Mesh = Tuple[np.ndarray, np.ndarray]
@@ -156,6 +156,24 @@ class Problem:
 
 
 @dataclass(frozen=True)
+class ComponentReport:
+    """The measures of a connected component."""
+
+    first_vertex: int
+    vertices: int
+    faces: int
+    boundary_edges: int
+    euler_characteristic: int
+    genus: Optional[int]
+    """Number of handles; None if there is a boundary."""
+    area: float
+    volume: Optional[float]
+    """Enclosed volume; None if there is a boundary."""
+    total_mean_curvature: float
+    """∫ H dS, a length: 4πR on a sphere. Its ratio to the area is the mean of H."""
+
+
+@dataclass(frozen=True)
 class Report:
     """The result of `check`; numbers are 0 or None if the arrays are no mesh."""
 
@@ -186,6 +204,10 @@ class Report:
     """Noise of the positions along the normal, a length; 0 if none was found."""
     noise_in_edges: float = 0.0
     """The same over the mean edge length."""
+    total_mean_curvature: float = 0.0
+    """∫ H dS, a length: half the sum over edges of length times angle between the normals, 4πR on a sphere."""
+    by_component: List[ComponentReport] = field(default_factory=list)
+    """The measures of each component, in the order of their first vertices, as `split` returns them."""
 
     @property
     def quality(self) -> float:
@@ -237,7 +259,66 @@ def check(V: Any, F: Any = None) -> Report:
     genus = None
     if found["boundary_edges"] == 0:
         genus = found["components"] - found["euler_characteristic"] // 2
+    found["by_component"] = [ComponentReport(**measures) for measures in found["by_component"]]
     return Report(problems, True, genus=genus, **found)
+
+
+@dataclass(frozen=True, repr=False)
+class Part:
+    """A connected component as a mesh of its own. It can be taken apart: `V, F = part`."""
+
+    vertices: np.ndarray
+    """Positions V (n, 3) float64."""
+    faces: np.ndarray
+    """Triangles F (m, 3) int64."""
+    vertex_of: np.ndarray
+    """The vertex in the whole mesh of each vertex, (n,) int64: `field[vertex_of]` is a field of the whole."""
+    face_of: np.ndarray
+    """The face in the whole mesh of each face, (m,) int64."""
+
+    def __iter__(self) -> Iterator[np.ndarray]:
+        return iter((self.vertices, self.faces))
+
+    def __repr__(self) -> str:
+        return f"Part({len(self.vertices)} vertices, {len(self.faces)} faces)"
+
+
+def split(V: Any, F: Any = None) -> List[Part]:
+    """The connected components of a mesh, each as a mesh of its own.
+
+    Vertices and faces keep their order, and components have that of their first vertices. Vertices in no face are
+    left out.
+
+    Returns
+    -------
+    list of Part
+        `vertices faces vertex_of face_of`.
+
+    Raises
+    ------
+    MeshError
+        If V and F are no mesh.
+
+    Examples
+    --------
+    >>> import helfrich, numpy
+    >>> V, F, _ = helfrich.shape("sphere", 42)
+    >>> one, two = helfrich.split(numpy.vstack([V, V + 3]), numpy.vstack([F, F + 42]))
+    >>> bool((two.vertices == V + 3).all())
+    True
+    """
+    V, F = both(V, F)
+    component = _helfrich.components(V, F)
+    V, F = np.asarray(positions(V), np.float64), faces_of(F).astype(np.int64)
+    # Stable sorts keep the order within a component.
+    vertices, faces = np.argsort(component, kind="stable"), np.argsort(component[F[:, 0]], kind="stable")
+    counts = np.bincount(component)
+    ends = np.cumsum(counts)
+    number = np.empty_like(component)
+    number[vertices] = np.arange(len(V)) - np.repeat(ends - counts, counts)
+    face_ends = np.cumsum(np.bincount(component[F[:, 0]], minlength=len(counts)))
+    parts = zip(np.split(vertices, ends[:-1]), np.split(faces, face_ends[:-1]))
+    return [Part(V[own], number[F[of]], own, of) for own, of in parts if len(of)]
 
 
 def weld(

@@ -3,6 +3,7 @@
 use crate::fixture::{Fixture, disturbed, obj, off, ply, sheet};
 use crate::{run, succeed};
 use helfrich_std::generate::{Family, generate};
+use std::f64::consts::PI;
 
 /// The value after a name.
 #[track_caller]
@@ -70,6 +71,67 @@ fn info_of_a_mesh_with_boundary() {
     ] {
         assert_eq!(value(&info, name), expected, "{name}");
     }
+}
+
+/// Two cubes and an isolated vertex between them; the second cube has edges of 2 and no lid. Edges of a cube have
+/// angles of π/2, so that ∫ H dS is 3π of its edge, and without a lid, at whose four edges nothing is known, 2π.
+#[test]
+fn info_of_components() {
+    let cube = |edge: f64, at: f64| {
+        let corners = (0..8).map(move |k| [k & 1, k >> 1 & 1, k >> 2].map(f64::from));
+        corners.map(move |x| x.map(|x| at + edge * x))
+    };
+    let sides: [[u32; 4]; 6] = [
+        [0, 2, 3, 1],
+        [0, 1, 5, 4],
+        [1, 3, 7, 5],
+        [3, 2, 6, 7],
+        [2, 0, 4, 6],
+        [4, 5, 7, 6],
+    ];
+    let of = |first: u32, sides: &[[u32; 4]]| {
+        let halves = sides
+            .iter()
+            .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
+        Vec::from_iter(halves.map(|corners| corners.map(|corner| first + corner)))
+    };
+    let positions = Vec::from_iter(cube(1.0, 0.0).chain([[9.0; 3]]).chain(cube(2.0, 4.0)));
+    let triangles = [of(0, &sides), of(9, &sides[..5])].concat();
+    let file = Fixture::new("cubes.ply", ply(&positions, &triangles));
+    let info = succeed(&["info", file.path()]);
+    assert_eq!(value(&info, "components"), "2");
+    let total = value(&info, "total mean curvature").parse::<f64>();
+    assert!((total.unwrap() - 7.0 * PI).abs() < 1e-13);
+    for (name, words, curvature) in [
+        (
+            "component 1",
+            "8 vertices from 0 on, genus 0, volume 1, area 6",
+            3.0 * PI,
+        ),
+        (
+            "component 2",
+            "8 vertices from 9 on, 4 boundary edges, area 20",
+            4.0 * PI,
+        ),
+    ] {
+        let (found, total) = value(&info, name)
+            .split_once(", total mean curvature ")
+            .unwrap();
+        assert_eq!(found, words);
+        assert!(
+            (total.parse::<f64>().unwrap() - curvature).abs() < 1e-13,
+            "{total}"
+        );
+    }
+    let many = (0..25).flat_map(|k| cube(1.0, 2.0 * f64::from(k)));
+    let triangles = Vec::from_iter((0..25).flat_map(|k| of(8 * k, &sides)));
+    let file = Fixture::new("many.ply", ply(&Vec::from_iter(many), &triangles));
+    let info = succeed(&["info", file.path()]);
+    assert!(
+        info.contains("component 20 ") && !info.contains("component 21 "),
+        "{info}"
+    );
+    assert!(info.contains("and 5 more components"), "{info}");
 }
 
 /// `info` says how large it is, `curvature` also what it takes away and what helps.
