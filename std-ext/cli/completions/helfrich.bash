@@ -160,7 +160,7 @@ _helfrich() {
                     return 0
                     ;;
                 --colour-by)
-                    COMPREPLY=($(compgen -W "H K f k1 k2 H_error K_error f_error k1_error k2_error sigma" -- "${cur}"))
+                    COMPREPLY=($(compgen -W "H K f k1 k2 curvedness shape_index H_error K_error f_error k1_error k2_error curvedness_error shape_index_error sigma" -- "${cur}"))
                     return 0
                     ;;
                 --threads)

@@ -80,7 +80,7 @@ _arguments "${_arguments_options[@]}" : \
 '--csv=[Write to this file instead of standard output (\`-\`)]:CSV:_files' \
 '--vtp=[Write the surface with all results to this \`.vtp\` file; a table is then written only with \`--csv\`]:FILE:_files' \
 '--picture=[Draw the surface to this \`.png\` file, with principal directions if \`--method jet\` or \`--errors\` is given; a table is then written only with \`--csv\`. The surface is grey where twice the error bar exceeds the range of the colours]:FILE:_files' \
-'--colour-by=[Quantity that the picture shows, by the name of its column; f is shown along the normal. Quantities other than H, K and f need \`--method jet\` or \`--errors\`]:QUANTITY:(H K f k1 k2 H_error K_error f_error k1_error k2_error sigma)' \
+'--colour-by=[Quantity that the picture shows, by the name of its column; f is shown along the normal. Quantities other than H, K and f need \`--method jet\` or \`--errors\`]:QUANTITY:(H K f k1 k2 curvedness shape_index H_error K_error f_error k1_error k2_error curvedness_error shape_index_error sigma)' \
 '--threads=[Number of threads, from 1 to 1024; by default as many as the machine runs at once. Results do not depend on it]:N:_default' \
 '--errors[Add principal curvatures, error bars and a verdict to the results of any method, by comparison with jets that choose their scale from the noise; \`--method jet\` always has them]' \
 '-h[Print help (see more with '\''--help'\'')]' \
