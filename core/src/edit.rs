@@ -41,6 +41,8 @@ pub struct EditableMesh {
     opposite: Vec<u32>,
     /// Whether a half-edge belongs to a kept line.
     kept: Vec<bool>,
+    /// Whether there have been kept lines other than borders.
+    has_lines: bool,
     /// A half-edge that leaves each vertex, at a border the one along it; [`NONE`] without triangles.
     leaving: Vec<u32>,
     fixed: Vec<bool>,
@@ -100,6 +102,7 @@ impl EditableMesh {
         let mut edited = Self {
             opposite: vec![NONE; 3 * triangles.len()],
             kept: vec![false; 3 * triangles.len()],
+            has_lines: false,
             leaving: vec![NONE; mesh.vertex_count()],
             fixed: vec![false; mesh.vertex_count()],
             triangles,
@@ -298,6 +301,9 @@ impl EditableMesh {
         if self.fixed[vertex as usize] {
             return Freedom::Fixed;
         }
+        if !self.has_lines && self.is_used(vertex) && !self.is_border(vertex) {
+            return Freedom::Free;
+        }
         let mut ends = [NONE; 2];
         let mut count = 0;
         for half_edge in self.around(vertex) {
@@ -389,6 +395,7 @@ impl EditableMesh {
     }
 
     fn set_kept(&mut self, half_edge: u32, kept: bool) {
+        self.has_lines |= kept;
         self.kept[half_edge as usize] = kept;
         if let Some(other) = self.opposite(half_edge) {
             self.kept[other as usize] = kept;

@@ -20,6 +20,10 @@ use alloc::vec::Vec;
 use ground::InputSurface;
 use passes::Remesher;
 
+/// Number of rounds after which no more follow if fewer than one vertex in so many was made or removed.
+const SETTLING: usize = 5;
+const FEW: usize = 50;
+
 /// Number of rounds at the end that make triangles Delaunay ones.
 const LAST: usize = 4;
 
@@ -33,7 +37,7 @@ pub struct Remeshing<'a, T> {
     pub sizes: &'a [T],
     /// The number of vertices; lengths are then relative to each other.
     pub vertices: Option<usize>,
-    /// Number of rounds of splits, collapses, flips and movements.
+    /// Number of rounds of splits, collapses, flips and movements at most; fewer where these change little.
     pub rounds: usize,
 }
 
@@ -71,24 +75,30 @@ impl<T: Real> SmoothSurface<T> {
     ) -> Option<Remeshed<T>> {
         let ground = InputSurface::new(self.surface(), self.lines(), settings.sizes);
         let mut state = Remesher::new(ground);
-        let rounds = settings.rounds + LAST;
-        for round in 0..rounds {
-            if !go_on(round as f64 / rounds as f64) {
+        let most = settings.rounds + LAST;
+        let mut go_on = |round: usize| go_on(round as f64 / most as f64);
+        for round in 0..settings.rounds {
+            if !go_on(round) {
                 return None;
             }
-            if round < settings.rounds {
-                if let Some(wanted) = settings.vertices {
-                    state.scale_to(wanted);
-                }
-                state.split_long();
-                state.collapse_short();
-                state.flip_to_valence();
-            } else {
-                if let Some(wanted) = settings.vertices {
-                    state.bring_to(wanted);
-                }
-                state.flip_to_delaunay();
+            if let Some(wanted) = settings.vertices {
+                state.scale_to(wanted);
             }
+            let changed = state.split_long() + state.collapse_short();
+            state.flip_to_valence();
+            state.smooth();
+            if round + 1 >= SETTLING && changed < state.vertex_count() / FEW {
+                break;
+            }
+        }
+        for round in settings.rounds..most {
+            if !go_on(round) {
+                return None;
+            }
+            if let Some(wanted) = settings.vertices {
+                state.bring_to(wanted);
+            }
+            state.flip_to_delaunay();
             state.smooth();
         }
         // The cosine of 40°.

@@ -22,6 +22,16 @@ pub(super) struct InputSurface<'a, T> {
     normals: Vec<Vec3<T>>,
 }
 
+/// The input at one of its places.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Sample<T> {
+    pub(super) position: Vec3<T>,
+    /// The unit normal, a mean of those of the corners.
+    pub(super) normal: Vec3<T>,
+    /// The wanted length of edges.
+    pub(super) size: T,
+}
+
 /// A place on a line of the input: a part of the way between two vertices along the line, or a vertex, twice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Spot<T> {
@@ -121,31 +131,29 @@ impl<'a, T: Real> InputSurface<'a, T> {
         self.surface.positions()[vertex as usize]
     }
 
-    pub(super) fn position(&self, place: MeshPoint<T>) -> Vec3<T> {
+    /// The flat triangle, its normal and the wanted length at a place.
+    pub(super) fn sample(&self, place: MeshPoint<T>) -> Sample<T> {
         let corners = self.surface.mesh().triangles()[place.triangle];
-        let terms = zip(corners, place.barycentric);
-        let terms = terms.map(|(corner, weight)| scale(weight, self.at(corner)));
-        terms.fold([T::zero(); 3], add)
+        let mut sample = Sample::default();
+        for (corner, weight) in zip(corners, place.barycentric) {
+            let at = self.normals[corner as usize];
+            sample.position = add(sample.position, scale(weight, self.at(corner)));
+            sample.normal = add(sample.normal, scale(weight, at));
+            sample.size += weight * self.sizes[corner as usize];
+        }
+        sample.normal = normalise(sample.normal);
+        sample
     }
 
-    pub(super) fn size(&self, place: MeshPoint<T>) -> T {
-        let corners = self.surface.mesh().triangles()[place.triangle];
-        let terms = zip(corners, place.barycentric);
-        terms
-            .map(|(corner, weight)| weight * self.sizes[corner as usize])
-            .sum()
-    }
-
-    pub(super) fn normals(&self) -> &[Vec3<T>] {
-        &self.normals
-    }
-
-    /// The unit normal, a mean of those of the corners.
-    pub(super) fn normal(&self, place: MeshPoint<T>) -> Vec3<T> {
-        let corners = self.surface.mesh().triangles()[place.triangle];
-        let terms = zip(corners, place.barycentric);
-        let terms = terms.map(|(corner, weight)| scale(weight, self.normals[corner as usize]));
-        normalise(terms.fold([T::zero(); 3], add))
+    /// The samples at the vertices.
+    pub(super) fn at_vertices(&self) -> Vec<Sample<T>> {
+        let vertices = zip(self.surface.positions(), zip(&self.normals, self.sizes));
+        let samples = vertices.map(|(&position, (&normal, &size))| Sample {
+            position,
+            normal,
+            size,
+        });
+        samples.collect()
     }
 
     /// A place at a vertex of the input, which is in a triangle.

@@ -1,6 +1,6 @@
 //! Passes over a new mesh: splits, collapses, flips and movements of vertices.
 
-use super::ground::{InputSurface, Spot};
+use super::ground::{InputSurface, Sample, Spot};
 use crate::edit::{EditableMesh, Freedom};
 use crate::face_tree::MeshPoint;
 use crate::lane::Lane;
@@ -8,6 +8,7 @@ use crate::real::Real;
 use crate::smooth_surface::{SmoothPoint, SmoothSurface};
 use crate::vec3::{Vec3, add, cross, dot, norm, normalise, scale, sub, tangent_frame};
 use alloc::vec::Vec;
+use core::iter::zip;
 
 /// Edges longer than this part of the wanted length are split (M. Botsch and L. Kobbelt, Symp. Geometry Processing 2004).
 const LONG: f64 = 4.0 / 3.0;
@@ -49,6 +50,11 @@ struct WorstTriangle<T> {
 }
 
 impl<T: Real> WorstTriangle<T> {
+    /// Whether these are good triangles.
+    fn is_good(self) -> bool {
+        self.outward >= T::constant(OUTWARD) && self.cosine <= T::constant(SLENDER)
+    }
+
     /// Whether these are good triangles, or not worse than others.
     fn is_as_good_as(self, other: Self) -> bool {
         self.outward >= other.outward.min(T::constant(OUTWARD))
@@ -64,9 +70,8 @@ pub(super) struct Remesher<'a, T> {
     pub(super) places: Vec<MeshPoint<T>>,
     /// Where they are on its lines.
     spots: Vec<Spot<T>>,
-    positions: Vec<Vec3<T>>,
-    normals: Vec<Vec3<T>>,
-    sizes: Vec<T>,
+    /// What is there.
+    samples: Vec<Sample<T>>,
     /// The factor of all sizes.
     pub(super) factor: T,
 }
@@ -91,9 +96,7 @@ impl<'a, T: Real> Remesher<'a, T> {
             edited: ground.corners.clone(),
             places: vertices.clone().map(place).collect(),
             spots: vertices.map(Spot::at_vertex).collect(),
-            positions: ground.surface.positions().to_vec(),
-            normals: ground.normals().to_vec(),
-            sizes: ground.sizes.to_vec(),
+            samples: ground.at_vertices(),
             factor: T::one(),
             ground,
         }
@@ -135,7 +138,11 @@ impl<'a, T: Real> Remesher<'a, T> {
     }
 
     fn at(&self, vertex: u32) -> Vec3<T> {
-        self.positions[vertex as usize]
+        self.samples[vertex as usize].position
+    }
+
+    fn size(&self, vertex: u32) -> T {
+        self.samples[vertex as usize].size
     }
 
     /// The length of an edge over the wanted one.
@@ -145,7 +152,7 @@ impl<'a, T: Real> Remesher<'a, T> {
     }
 
     fn relative_distance(&self, from: u32, to: u32) -> T {
-        let wanted = (self.sizes[from as usize] + self.sizes[to as usize]) / T::constant(2.0);
+        let wanted = (self.size(from) + self.size(to)) / T::constant(2.0);
         let length = norm(sub(self.at(to), self.at(from)));
         length * (self.factor * wanted).reciprocal_or_zero()
     }
@@ -157,11 +164,8 @@ impl<'a, T: Real> Remesher<'a, T> {
     }
 
     fn set_place(&mut self, vertex: u32, place: MeshPoint<T>) {
-        let vertex = vertex as usize;
-        self.places[vertex] = place;
-        self.positions[vertex] = self.ground.position(place);
-        self.normals[vertex] = self.ground.normal(place);
-        self.sizes[vertex] = self.ground.size(place);
+        self.places[vertex as usize] = place;
+        self.samples[vertex as usize] = self.ground.sample(place);
     }
 
     /// Edges whose relative length is beyond a limit, the farthest first.
@@ -171,7 +175,7 @@ impl<'a, T: Real> Remesher<'a, T> {
         let sign = if longer { -T::one() } else { T::one() };
         let edges = edges.filter(|(length, _)| sign * *length < sign * limit);
         let mut edges = Vec::from_iter(edges.map(|(length, edge)| (sign * length, edge)));
-        edges.sort_by(|(a, first), (b, second)| {
+        edges.sort_unstable_by(|(a, first), (b, second)| {
             let order = a.partial_cmp(b).unwrap_or(core::cmp::Ordering::Equal);
             order.then(first.cmp(second))
         });
@@ -184,10 +188,7 @@ impl<'a, T: Real> Remesher<'a, T> {
         let now = if self.factor == T::one() {
             let area = |half_edge: u32| {
                 let corners = self.edited.corners(half_edge);
-                let size: T = corners
-                    .map(|corner| self.sizes[corner as usize])
-                    .into_iter()
-                    .sum();
+                let size: T = corners.map(|corner| self.size(corner)).into_iter().sum();
                 norm(self.area_vector(corners))
                     * T::constant(9.0 / 2.0)
                     * (size * size).reciprocal_or_zero()
@@ -211,8 +212,8 @@ impl<'a, T: Real> Remesher<'a, T> {
         }
     }
 
-    /// Splits edges that are longer than a limit, the longest first, each once.
-    fn split(&mut self, limit: T, most: usize) {
+    /// Splits edges that are longer than a limit, the longest first, each once, and returns their number.
+    fn split(&mut self, limit: T, most: usize) -> usize {
         let edges = self.beyond(limit, true);
         let ends = edges
             .iter()
@@ -224,16 +225,17 @@ impl<'a, T: Real> Remesher<'a, T> {
             let edge = edge.or_else(|| self.edited.half_edge(head, tail));
             self.split_edge(edge.expect("an edge"));
         }
+        ends.len()
     }
 
-    /// Splits edges that are too long, each once.
-    pub(super) fn split_long(&mut self) {
-        self.split(T::constant(LONG), usize::MAX);
+    /// Splits edges that are too long, each once, and returns their number.
+    pub(super) fn split_long(&mut self) -> usize {
+        self.split(T::constant(LONG), usize::MAX)
     }
 
-    /// Collapses edges that are too short.
-    pub(super) fn collapse_short(&mut self) {
-        self.collapse(T::constant(SHORT), T::constant(LONG), usize::MAX);
+    /// Collapses edges that are too short, and returns their number.
+    pub(super) fn collapse_short(&mut self) -> usize {
+        self.collapse(T::constant(SHORT), T::constant(LONG), usize::MAX)
     }
 
     fn split_edge(&mut self, edge: u32) {
@@ -256,17 +258,15 @@ impl<'a, T: Real> Remesher<'a, T> {
             };
             (place, Spot::at_vertex(0))
         };
-        let vertex = self.edited.split(edge);
+        self.edited.split(edge);
         self.places.push(place);
         self.spots.push(spot);
-        self.positions.push([T::zero(); 3]);
-        self.normals.push([T::zero(); 3]);
-        self.sizes.push(T::zero());
-        self.set_place(vertex, place);
+        self.samples.push(self.ground.sample(place));
     }
 
-    /// Collapses edges that are shorter than a limit and make none longer than another, the shortest first.
-    fn collapse(&mut self, limit: T, long: T, most: usize) {
+    /// Collapses edges that are shorter than a limit and make none longer than another, the shortest first, and returns
+    /// their number.
+    fn collapse(&mut self, limit: T, long: T, most: usize) -> usize {
         let mut count = 0;
         for (_, edge) in self.beyond(limit, false) {
             if count == most {
@@ -278,7 +278,10 @@ impl<'a, T: Real> Remesher<'a, T> {
             }
             let sides = [Some(edge), self.edited.opposite(edge)];
             for half_edge in sides.into_iter().flatten() {
-                if self.edited.may_collapse(half_edge).is_ok() && self.keeps_shape(half_edge, long)
+                // The cheapest question first.
+                if self.keeps_short(half_edge, long)
+                    && self.edited.may_collapse(half_edge).is_ok()
+                    && self.keeps_shape(half_edge)
                 {
                     let done = self.edited.collapse(half_edge);
                     count += usize::from(done.is_ok());
@@ -286,16 +289,19 @@ impl<'a, T: Real> Remesher<'a, T> {
                 }
             }
         }
+        count
     }
 
-    /// Whether a collapse makes no edge too long, and no bad triangle.
-    fn keeps_shape(&self, half_edge: u32, long: T) -> bool {
+    /// Whether a collapse makes no edge too long.
+    fn keeps_short(&self, half_edge: u32, long: T) -> bool {
         let [tail, head] = [self.edited.tail(half_edge), self.edited.head(half_edge)];
         let mut neighbours = self.edited.neighbours(tail);
-        let is_short = |other: u32| other == head || self.relative_distance(other, head) < long;
-        if !neighbours.all(is_short) {
-            return false;
-        }
+        neighbours.all(|other| other == head || self.relative_distance(other, head) < long)
+    }
+
+    /// Whether a collapse makes no bad triangle.
+    fn keeps_shape(&self, half_edge: u32) -> bool {
+        let [tail, head] = [self.edited.tail(half_edge), self.edited.head(half_edge)];
         let changed = self
             .edited
             .around(tail)
@@ -303,56 +309,72 @@ impl<'a, T: Real> Remesher<'a, T> {
         let changed = Vec::from_iter(changed.filter(|corners| !corners.contains(&head)));
         let moved = |corner| if corner == tail { head } else { corner };
         let after = Vec::from_iter(changed.iter().map(|corners| corners.map(moved)));
-        self.shape(&after).is_as_good_as(self.shape(&changed))
+        let after = self.shape(&after);
+        after.is_good() || after.is_as_good_as(self.shape(&changed))
     }
 
     /// Flips edges where that brings numbers of neighbours nearer to those of a regular mesh.
     pub(super) fn flip_to_valence(&mut self) {
-        self.flip_where(|state, [a, b, c, d]| {
-            let valence = |vertex: u32, change: isize| {
-                let ideal = if state.edited.is_border(vertex) { 4 } else { 6 };
-                let off = state.edited.valence(vertex) as isize + change - ideal;
-                off * off
-            };
-            let before = valence(a, 0) + valence(b, 0) + valence(c, 0) + valence(d, 0);
-            let after = valence(a, -1) + valence(b, -1) + valence(c, 1) + valence(d, 1);
-            after < before
+        let vertices = 0..self.edited.vertex_count() as u32;
+        let missing = vertices.map(|vertex| {
+            if !self.edited.is_used(vertex) {
+                return 0;
+            }
+            let ideal = if self.edited.is_border(vertex) { 4 } else { 6 };
+            self.edited.valence(vertex) as i32 - ideal
         });
+        let mut beyond = Vec::from_iter(missing);
+        for edge in Vec::from_iter(self.edited.edges()) {
+            let Some(corners) = self.corners_of_flip(edge) else {
+                continue;
+            };
+            let change = [-1, -1, 1, 1];
+            let squares = zip(corners, change).map(|(corner, change)| {
+                let now = beyond[corner as usize];
+                (now + change) * (now + change) - now * now
+            });
+            if squares.sum::<i32>() < 0 && self.flip(edge, corners) {
+                for (corner, change) in zip(corners, change) {
+                    beyond[corner as usize] += change;
+                }
+            }
+        }
     }
 
     /// Flips edges whose opposite angles have a sum above π.
     pub(super) fn flip_to_delaunay(&mut self) {
-        self.flip_where(|state, [a, b, c, d]| {
+        for edge in Vec::from_iter(self.edited.edges()) {
+            let Some(corners) = self.corners_of_flip(edge) else {
+                continue;
+            };
+            let [a, b, c, d] = corners;
             // Cosine and sine of the angle at an apex, times the lengths of its sides; right for flat triangles, too.
             let angle = |apex: u32| {
-                let [from, to] = [a, b].map(|end| sub(state.at(end), state.at(apex)));
+                let [from, to] = [a, b].map(|end| sub(self.at(end), self.at(apex)));
                 [dot(from, to), norm(cross(from, to)), norm(from) * norm(to)]
             };
             let [[cos_c, sin_c, size_c], [cos_d, sin_d, size_d]] = [angle(c), angle(d)];
             let sine_of_sum = sin_c * cos_d + cos_c * sin_d;
-            sine_of_sum < -T::epsilon().sqrt() * size_c * size_d
-        });
-    }
-
-    /// Flips edges (a, b) with apexes c and d where that is asked for, legal, and leaves good triangles.
-    fn flip_where(&mut self, is_better: impl Fn(&Self, [u32; 4]) -> bool) {
-        let edges = Vec::from_iter(self.edited.edges());
-        for edge in edges {
-            let Some(other) = self.edited.opposite(edge) else {
-                continue;
-            };
-            if self.edited.is_kept(edge) {
-                continue;
-            }
-            let [a, b] = [self.edited.tail(edge), self.edited.head(edge)];
-            let [c, d] = [self.edited.apex(edge), self.edited.apex(other)];
-            let old = self.shape(&[[a, b, c], [b, a, d]]);
-            let is_fit = self.shape(&[[d, c, a], [c, d, b]]).is_as_good_as(old);
-            if is_fit && is_better(self, [a, b, c, d]) {
-                // Refused where c and d are neighbours.
-                let _ = self.edited.flip(edge);
+            if sine_of_sum < -T::epsilon().sqrt() * size_c * size_d {
+                self.flip(edge, corners);
             }
         }
+    }
+
+    /// The ends of an edge, and its apexes, if it may be flipped for all that is known about its lines.
+    fn corners_of_flip(&self, edge: u32) -> Option<[u32; 4]> {
+        let other = self.edited.opposite(edge)?;
+        let [a, b] = [self.edited.tail(edge), self.edited.head(edge)];
+        let [c, d] = [self.edited.apex(edge), self.edited.apex(other)];
+        (!self.edited.is_kept(edge)).then_some([a, b, c, d])
+    }
+
+    /// Flips the edge (a, b) with the apexes c and d, if that is legal and leaves good triangles.
+    fn flip(&mut self, edge: u32, [a, b, c, d]: [u32; 4]) -> bool {
+        let after = self.shape(&[[d, c, a], [c, d, b]]);
+        let is_fit = after.is_good() || after.is_as_good_as(self.shape(&[[a, b, c], [b, a, d]]));
+        // Refused where c and d are neighbours.
+        is_fit && self.edited.flip(edge).is_ok()
     }
 
     /// Moves every vertex towards the mean of its triangles' centroids, weighted by their areas over the square of the
@@ -375,10 +397,7 @@ impl<'a, T: Real> Remesher<'a, T> {
         let third = T::constant(1.0 / 3.0);
         for half_edge in self.edited.around(vertex) {
             let corners = self.edited.corners(half_edge);
-            let size: T = corners
-                .map(|corner| self.sizes[corner as usize])
-                .into_iter()
-                .sum();
+            let size: T = corners.map(|corner| self.size(corner)).into_iter().sum();
             let weight = norm(self.area_vector(corners)) * (size * size).reciprocal_or_zero();
             let middle = corners.map(|corner| self.at(corner));
             let middle = scale(third, middle.into_iter().fold([T::zero(); 3], add));
@@ -388,7 +407,7 @@ impl<'a, T: Real> Remesher<'a, T> {
         let step = scale(total.reciprocal_or_zero(), sum);
         let before = self.places[vertex as usize];
         // Along the surface: on a thin one, the mean is nearer to the other side.
-        let normal = self.normals[vertex as usize];
+        let normal = self.samples[vertex as usize].normal;
         let step = sub(step, scale(dot(step, normal), normal));
         let target = add(self.at(vertex), step);
         let place = self.ground.nearest(before, target);
@@ -433,7 +452,7 @@ impl<'a, T: Real> Remesher<'a, T> {
             .iter()
             .map(|&side| self.area_vector(self.edited.corners(side)));
         let axes = tangent_frame(normalise(areas.fold([T::zero(); 3], add)));
-        let mut step = T::constant(0.2) * self.factor * self.sizes[vertex as usize];
+        let mut step = T::constant(0.2) * self.factor * self.size(vertex);
         for _ in 0..4 {
             let (start, here) = (self.places[vertex as usize], self.at(vertex));
             let (mut best, mut least) = (start, self.largest_cosine(vertex));
@@ -498,7 +517,7 @@ impl<'a, T: Real> Remesher<'a, T> {
     /// The least cosine between the normal of a triangle and those of the input at its corners.
     fn outward(&self, corners: [u32; 3]) -> T {
         let normal = normalise(self.area_vector(corners));
-        let cosines = corners.map(|corner| dot(normal, self.normals[corner as usize]));
+        let cosines = corners.map(|corner| dot(normal, self.samples[corner as usize].normal));
         cosines[0].min(cosines[1]).min(cosines[2])
     }
 
@@ -517,14 +536,20 @@ impl<'a, T: Real> Remesher<'a, T> {
 
     /// Moves a vertex unless that makes a bad triangle.
     fn try_place(&mut self, vertex: u32, place: MeshPoint<T>) -> bool {
-        let before = self.places[vertex as usize];
+        let index = vertex as usize;
+        let before = (self.places[index], self.samples[index]);
         let ring = self.edited.around(vertex);
         let ring = Vec::from_iter(ring.map(|half_edge| self.edited.corners(half_edge)));
-        let old = self.shape(&ring);
         self.set_place(vertex, place);
-        let fits = self.shape(&ring).is_as_good_as(old);
-        if !fits {
-            self.set_place(vertex, before);
+        let moved = (self.places[index], self.samples[index]);
+        let shape = self.shape(&ring);
+        if shape.is_good() {
+            return true;
+        }
+        (self.places[index], self.samples[index]) = before;
+        let fits = shape.is_as_good_as(self.shape(&ring));
+        if fits {
+            (self.places[index], self.samples[index]) = moved;
         }
         fits
     }
