@@ -12,8 +12,8 @@ pub(crate) use cotangent::VertexSums;
 pub use cotangent::{Cotangent, CotangentMemory};
 
 pub use heat_kernel::{Bandwidth, HeatKernel, HeatKernelMemory};
-pub(crate) use jet::JetPoint;
 pub use jet::{Jet, JetMemory};
+pub(crate) use jet::{JetPoint, LocalPolynomial};
 pub use paraboloid::{Paraboloid, ParaboloidMemory};
 
 pub use crate::curvature::Curvature;

@@ -148,7 +148,7 @@ pub use real::Real;
 pub use remesh::{Remeshed, Remeshing};
 pub use reordering::Reordering;
 pub use self_crossing::crossing_triangles;
-pub use smooth_surface::{SmoothPoint, SmoothSurface};
+pub use smooth_surface::{FieldPoint, SmoothFields, SmoothPoint, SmoothSurface};
 pub use sparse_matrix::SparseMatrix;
 pub use subdivision::Subdivision;
 pub use surface::{Surface, SurfaceError};

@@ -4,8 +4,10 @@
 //! N. Ray and X. Jiao, arXiv:1901.08036). Here the fits are those of [`Jet`], and their points are brought to one
 //! normal before they are averaged, without which the order is 6 at most.
 
+mod fields;
+
 use crate::curvature::{Curvature, Curvatures};
-use crate::edit::EditableMesh;
+use crate::edit::{EditableMesh, Edited};
 use crate::element::Execution;
 use crate::face_tree::{FaceTree, MeshPoint};
 use crate::lane::Lane;
@@ -19,6 +21,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 use core::array::from_fn;
 use core::iter::zip;
+pub use fields::{FieldPoint, SmoothFields};
 
 /// Most steps of a projection.
 const STEPS: usize = 30;
@@ -68,8 +71,8 @@ pub struct SmoothSurface<T: Real> {
     remainders: Option<Vec<[T; 3]>>,
     lines: Vec<[u32; 2]>,
     /// The mesh cut along the lines, if there are any, of which each fit is one.
-    cut: Option<TriangleMesh>,
-    degree: usize,
+    cut: Option<Edited>,
+    jet: Jet<T>,
     workspace: Workspace<T, Jet<T>>,
     vertices: Vec<Curvature<T>>,
     /// The largest distance of the polynomial of a vertex from the vertices of its one-ring.
@@ -167,12 +170,12 @@ impl<T: Real> SmoothSurface<T> {
             positions: surface.positions().to_vec(),
             remainders: surface.remainders().map(<[_]>::to_vec),
             lines: lines.to_vec(),
-            degree: jet.highest_degree(),
+            jet: *jet,
             workspace,
             vertices,
             misfits,
             tree: FaceTree::new(surface),
-            cut: copies.map(|copies| copies.mesh),
+            cut: copies,
         }
     }
 
@@ -193,7 +196,7 @@ impl<T: Real> SmoothSurface<T> {
 
     /// The highest degree of the polynomials.
     pub fn degree(&self) -> usize {
-        self.degree
+        self.jet.highest_degree()
     }
 
     /// Estimates of the errors of H and K at the vertices: the disagreement of neighbouring fits.
@@ -274,7 +277,7 @@ impl<T: Real> SmoothSurface<T> {
         let places = vertices.map(|vertex| seen.difference(vertex));
         let terms = zip(place.barycentric, places).map(|(weight, place)| scale(weight, place));
         let flat = terms.fold(shift, add);
-        let fits = self.cut.as_ref().unwrap_or(&self.mesh).triangles()[place.triangle];
+        let fits = self.fitted().triangles()[place.triangle];
         let over_size = self.longest_edge(place.triangle).reciprocal_or_zero();
         let mut total = T::zero();
         let mut first = None;
@@ -363,6 +366,19 @@ impl<T: Real> SmoothSurface<T> {
             *place = self.project(points[index])
         });
         places
+    }
+
+    /// The mesh of which each vertex has a fit.
+    fn fitted(&self) -> &TriangleMesh {
+        self.cut.as_ref().map_or(&self.mesh, |cut| &cut.mesh)
+    }
+
+    /// The vertex of the mesh of which a vertex of [`Self::fitted`] is a copy.
+    fn original(&self, vertex: usize) -> u32 {
+        match &self.cut {
+            Some(cut) => cut.vertices[vertex],
+            None => vertex as u32,
+        }
     }
 
     fn flat(&self, place: MeshPoint<T>) -> Vec3<T> {

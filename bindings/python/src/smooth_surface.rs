@@ -189,10 +189,8 @@ pub(crate) fn remesh<'py>(
         }
         let made = remeshed(surface, &request, &mut |_| true);
         Ok::<_, Fault>(made.map(|made| {
-            let fields = fields.iter();
-            let carry =
-                |(_, values): &(String, Vec<f64>)| carried(&made.smooth, &made.made.places, values);
-            let carried = Vec::from_iter(fields.map(carry));
+            let fields = Vec::from_iter(fields.iter().map(|(_, values)| &values[..]));
+            let carried = carried(&made.smooth, &made.made.places, &fields);
             (made.made, carried)
         }))
     })??;

@@ -180,7 +180,7 @@ impl<T: Real> JetMemory<T> {
         self.derivatives[vertex].gradients
     }
 
-    /// Keeps the polynomials of the next evaluations, up to a degree.
+    /// Keeps the polynomials of the next evaluations, up to a degree, instead of rows of Δ_S.
     pub(crate) fn keep_polynomials(&mut self, degree: usize) {
         let stride = LocalPolynomial::<T>::numbers(degree);
         let offsets = self.polynomial_offsets.iter_mut().enumerate();

@@ -3,7 +3,7 @@
 use crate::columns::write_with_columns;
 use crate::terminal::{Failure, ProgressBar, check_outputs, print, say, until_stopped};
 use crate::{MeshArguments, ThreadArguments, load_with_columns, positive, refuse_replacing};
-use helfrich::{Surface, TriangleMesh, VertexKind};
+use helfrich::{Remeshed, SmoothSurface, Surface, TriangleMesh, VertexKind};
 use helfrich_std::io::{Column, ColumnPlace, Format};
 use helfrich_std::remesh::{
     EdgeLengths, MeshRequest, NewMesh, RemeshError, carried, old_triangles, remeshed,
@@ -122,22 +122,9 @@ pub(crate) fn remesh_file(arguments: &RemeshArguments) -> Result<(), Failure> {
         ));
     }
     let positions = Vec::from_iter(made.points.iter().map(|point| point.position));
-    let old_triangles = old_triangles(&made);
     let keeps = Format::from_extension(output) == Some(Format::Vtp);
-    let carry = |column: Column| {
-        let values = match column.place {
-            ColumnPlace::Vertices => carried(&smooth, &made.places, &column.values),
-            ColumnPlace::Triangles => {
-                let values = old_triangles
-                    .iter()
-                    .map(|&triangle| column.values[triangle]);
-                values.collect()
-            }
-        };
-        Column { values, ..column }
-    };
     let columns = if keeps {
-        columns.into_iter().map(carry).collect()
+        with_new_values(columns, &smooth, &made)
     } else {
         columns
     };
@@ -162,6 +149,28 @@ pub(crate) fn remesh_file(arguments: &RemeshArguments) -> Result<(), Failure> {
             known.fold(0.0, f64::max)
         )
     })
+}
+
+/// Columns at the vertices and triangles of a new mesh.
+fn with_new_values(
+    mut columns: Vec<Column>,
+    smooth: &SmoothSurface<f64>,
+    made: &Remeshed<f64>,
+) -> Vec<Column> {
+    let old_triangles = old_triangles(made);
+    let (at_vertices, of_triangles): (Vec<_>, Vec<_>) = columns
+        .iter_mut()
+        .partition(|column| column.place == ColumnPlace::Vertices);
+    let fields = Vec::from_iter(at_vertices.iter().map(|column| &column.values[..]));
+    let fields = carried(smooth, &made.places, &fields);
+    for (column, values) in at_vertices.into_iter().zip(fields) {
+        column.values = values;
+    }
+    for column in of_triangles {
+        let values = old_triangles.iter().map(|&old| column.values[old]);
+        column.values = values.collect();
+    }
+    columns
 }
 
 /// The number of vertices that the arguments ask for; that of the input if they name no lengths.

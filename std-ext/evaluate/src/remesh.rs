@@ -2,9 +2,7 @@
 
 use crate::execute::Parallel;
 use crate::noise::{Quieted, noise_of};
-use helfrich::{
-    MeshPoint, Noise, Remeshed, Remeshing, SmoothPoint, SmoothSurface, Surface, crossing_triangles,
-};
+use helfrich::{MeshPoint, Noise, Remeshed, Remeshing, SmoothSurface, Surface, crossing_triangles};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -212,81 +210,67 @@ pub fn old_triangles(made: &Remeshed<f64>) -> Vec<usize> {
         .collect()
 }
 
-/// The values of a field at places of a surface, from those at its vertices: integers, which may be labels, from the
-/// nearest corner; other fields as accurate as the positions of the surface.
-///
-/// The vertices are moved by ±ε times the field along their normals: the smooth surfaces through them are apart by
-/// 2 ε times the field. Where they are not smooth, or their fits choose other neighbours, values are interpolated
-/// linearly.
+/// The values of fields at places of a surface, from those at its vertices: integers, which may be labels, from the
+/// nearest corner; other fields as accurate as the positions of the surface, see [`SmoothSurface::fields`]. They are
+/// interpolated linearly where they have values that are not finite, and where polynomials leave the range of the values
+/// around the corners by more than its width.
 ///
 /// # Panics
 /// If a vertex has no value, or a place is in a triangle that does not exist.
-pub fn carried(smooth: &SmoothSurface<f64>, places: &[MeshPoint<f64>], field: &[f64]) -> Vec<f64> {
-    let surface = smooth.surface();
-    let corners = |place: &MeshPoint<f64>| {
-        let corners = surface.mesh().triangles()[place.triangle];
-        let values = corners.map(|corner| field[corner as usize]);
-        values.into_iter().zip(place.barycentric)
+pub fn carried(
+    smooth: &SmoothSurface<f64>,
+    places: &[MeshPoint<f64>],
+    fields: &[&[f64]],
+) -> Vec<Vec<f64>> {
+    let execution = Parallel::new();
+    let are_labels = |field: &[f64]| field.iter().all(|value| value.fract() == 0.0);
+    let are_smooth =
+        |field: &[f64]| field.iter().all(|value| value.is_finite()) && !are_labels(field);
+    let polynomials = fields.iter().copied().filter(|field| are_smooth(field));
+    let polynomials = smooth.fields(&execution, &Vec::from_iter(polynomials));
+    let mesh = smooth.surface().mesh();
+    let corners = |place: &MeshPoint<f64>, field: &[f64]| {
+        let values = mesh.triangles()[place.triangle].map(|corner| field[corner as usize]);
+        [0, 1, 2].map(|corner| (values[corner], place.barycentric[corner]))
     };
-    if field.iter().all(|value| value.fract() == 0.0) {
-        let nearest = |place| {
-            corners(place)
-                .max_by(|a, b| a.1.total_cmp(&b.1))
-                .map(|(value, _)| value)
-        };
-        return places
-            .iter()
-            .map(|place| nearest(place).unwrap_or(f64::NAN))
-            .collect();
-    }
-    let linear = |place| -> f64 { corners(place).map(|(value, weight)| value * weight).sum() };
-    let least = field.iter().copied().fold(f64::INFINITY, f64::min);
-    let largest = field.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let middle = 0.5 * (least + largest);
-    let edges = surface.mesh().edges();
-    let edge = edges.iter().map(|&[from, to]| length(surface, from, to));
-    let edge = edge.sum::<f64>() / edges.len() as f64;
-    // The square root of rounding would be best for a difference; the surfaces are curved, so that it is a little more.
-    let step = 1e-5 * edge / (largest - middle);
-    if !step.is_finite() || field.iter().any(|value| !value.is_finite()) {
-        return places.iter().map(linear).collect();
-    }
-    let moved = |sign: f64| -> Option<Vec<SmoothPoint<f64>>> {
-        let vertices = surface.positions().iter().zip(smooth.vertices()).zip(field);
-        let positions = vertices.map(|((at, curvature), value)| {
-            let distance = sign * step * (value - middle);
-            [0, 1, 2].map(|axis| at[axis] + distance * curvature.normal[axis])
-        });
-        let positions = Vec::from_iter(positions);
-        let surface = Surface::new(surface.mesh(), &positions).ok()?;
-        let jet = SmoothSurface::jet_for(surface.mesh());
-        let moved = SmoothSurface::with_lines(&Parallel::new(), surface, &jet, smooth.lines());
-        Some(moved.all_at(&Parallel::new(), places))
+    let nearest = |place: &MeshPoint<f64>, field: &[f64]| {
+        let corners = corners(place, field).into_iter();
+        let nearest = corners.max_by(|a, b| a.1.total_cmp(&b.1));
+        nearest.map_or(f64::NAN, |(value, _)| value)
     };
-    let Some((above, below)) = moved(1.0).zip(moved(-1.0)) else {
-        return places.iter().map(linear).collect();
+    let linear = |place: &MeshPoint<f64>, field: &[f64]| -> f64 {
+        let corners = corners(place, field).into_iter();
+        corners.map(|(value, weight)| value * weight).sum()
     };
-    let values = places
-        .iter()
-        .zip(above.iter().zip(&below))
-        .map(|(place, (above, below))| {
-            let apart = (0..3)
-                .map(|axis| (above.position[axis] - below.position[axis]) * above.normal[axis]);
-            let value = middle + apart.sum::<f64>() / (2.0 * step);
-            // Beyond the values around the corners by more than their differences, a fit is not to be trusted.
-            let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-            for corner in surface.mesh().triangles()[place.triangle] {
-                for &other in surface.mesh().one_ring(corner as usize) {
-                    let value = field[other as usize];
-                    (low, high) = (low.min(value), high.max(value));
-                }
+    let is_within = |place: &MeshPoint<f64>, field: &[f64], value: f64| {
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for corner in mesh.triangles()[place.triangle] {
+            for &other in mesh.one_ring(corner as usize) {
+                let value = field[other as usize];
+                (low, high) = (low.min(value), high.max(value));
             }
-            let room = high - low;
-            if (low - room..=high + room).contains(&value) {
-                value
+        }
+        let room = high - low;
+        (low - room..=high + room).contains(&value)
+    };
+    let mut number = 0;
+    let carry = |field: &&[f64]| -> Vec<f64> {
+        if are_labels(field) {
+            return places.iter().map(|place| nearest(place, field)).collect();
+        }
+        if !are_smooth(field) {
+            return places.iter().map(|place| linear(place, field)).collect();
+        }
+        let points = polynomials.all_at(&execution, number, places);
+        number += 1;
+        let values = places.iter().zip(points).map(|(place, point)| {
+            if is_within(place, field, point.value) {
+                point.value
             } else {
-                linear(place)
+                linear(place, field)
             }
         });
-    values.collect()
+        values.collect()
+    };
+    fields.iter().map(carry).collect()
 }

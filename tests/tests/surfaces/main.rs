@@ -14,6 +14,7 @@ mod remesh;
 mod reordering;
 mod rows;
 mod shapes;
+mod smooth_fields;
 mod smooth_surface;
 mod subdivision;
 mod surface;

@@ -78,6 +78,7 @@ pub(super) struct Found<T> {
     axes: [Vec3<Several<T>>; 3],
     inversion: Inversion<Several<T>>,
     over_radius: Several<T>,
+    aspects: Several<T>,
 }
 
 impl<T: Real> Block<T> {
@@ -195,6 +196,7 @@ impl<T: Real> Block<T> {
             axes,
             inversion,
             over_radius,
+            aspects: lanes.aspects,
         }
     }
 
@@ -203,7 +205,7 @@ impl<T: Real> Block<T> {
     pub(super) fn store(&self, degree: usize, found: &Found<T>, lane: usize, numbers: &mut [T]) {
         let [first, _, normal] = found.axes;
         let head = first.iter().chain(&normal);
-        let head = head.chain([&found.over_radius, &found.inversion.0]);
+        let head = head.chain([&found.over_radius, &found.inversion.0, &found.aspects]);
         let all = head.chain(&self.coefficients[..coefficient_count(degree)]);
         for (number, entries) in numbers.iter_mut().zip(all) {
             *number = entries.0[lane];
@@ -418,44 +420,52 @@ impl<T: Real> Block<T> {
         values
     }
 
-    /// H and K of the fitted surfaces at the first `near` neighbours, after [`Self::rows`]; and what the rows yield
-    /// of H of the fitted surfaces at all neighbours, of polynomials without the terms of the highest degree:
-    /// these follow the neighbours, and the rows give the same for the terms that they determine.
+    /// The result of the rows, after [`Self::rows`], for H of the fitted surfaces at all neighbours, of polynomials
+    /// without the terms of the highest degree: these follow the neighbours, and the rows give the same for the terms
+    /// that they determine.
+    #[inline(always)]
+    pub(super) fn rows_of_mean(&self, degree: usize, found: &Found<T>) -> Several<T> {
+        let Self {
+            places: [x, y, _],
+            coefficients,
+            values: rows,
+            ..
+        } = self;
+        let steady = degree.min(STEP_DEGREE.max(degree - 1));
+        let [mut sum, mut total] = [Several::zero(); 2];
+        for row in 0..x.len() {
+            let (height, graph) = graph_at(steady, coefficients, x[row], y[row]);
+            let image = [x[row], y[row], height];
+            let [mean, _] = found.inversion.curvatures_at(image, &graph);
+            sum = sum + rows[row] * mean;
+            total = total + rows[row];
+        }
+        sum * found.over_radius - total * found.mean
+    }
+
+    /// H and K of the fitted surfaces at the first `near` neighbours.
     #[inline(always)]
     pub(super) fn curvatures(
         &mut self,
         degree: usize,
         near: usize,
         found: &Found<T>,
-    ) -> ([&[Several<T>]; 2], Several<T>) {
+    ) -> [&[Several<T>]; 2] {
         let Self {
             places: [x, y, _],
             coefficients,
             errors: means,
             distances: gaussians,
-            values: rows,
             ..
         } = self;
-        let inversion = found.inversion;
-        let mut sum = Several::zero();
-        let steady = degree.min(STEP_DEGREE.max(degree - 1));
-        let mut total = Several::zero();
-        for row in 0..x.len() {
-            let (height, graph) = graph_at(steady, coefficients, x[row], y[row]);
-            let [mean, _] = inversion.curvatures_at([x[row], y[row], height], &graph);
-            sum = sum + rows[row] * mean;
-            total = total + rows[row];
-        }
         for row in 0..near.min(x.len()) {
             let (height, graph) = graph_at(degree, coefficients, x[row], y[row]);
-            let [mean, gaussian] = inversion.curvatures_at([x[row], y[row], height], &graph);
+            let image = [x[row], y[row], height];
+            let [mean, gaussian] = found.inversion.curvatures_at(image, &graph);
             means[row] = mean * found.over_radius;
             gaussians[row] = gaussian * (found.over_radius * found.over_radius);
         }
-        (
-            [means, gaussians],
-            sum * found.over_radius - total * found.mean,
-        )
+        [means, gaussians]
     }
 }
 

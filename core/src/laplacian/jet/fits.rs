@@ -290,29 +290,25 @@ impl<T: Real> Fits<'_, T> {
         if settled == [false; WIDTH] {
             return;
         }
-        for (lane, &place) in members.iter().take(WIDTH).enumerate() {
-            if settled[lane]
-                && let Some(pending) = &mut queue[place]
-                && !pending.polynomial.is_empty()
-            {
-                block.store(degree, &found, lane, pending.polynomial);
-            }
-        }
-        let rows = block.rows(shape, &found);
         let mut most = 0;
+        let mut are_kept = false;
         for (lane, &place) in members.iter().take(WIDTH).enumerate() {
             if settled[lane]
                 && let Some(pending) = &mut queue[place]
             {
                 most = most.max(pending.ring.len());
-                let row = &mut pending.row[..pending.attempt.neighbours];
-                for (entry, coefficient) in row.iter_mut().zip(rows) {
-                    *entry = coefficient.0[lane];
+                if !pending.polynomial.is_empty() {
+                    are_kept = true;
+                    block.store(degree, &found, lane, pending.polynomial);
                 }
             }
         }
-        let ([means, gaussians], sum) = block.curvatures(degree, most, &found);
-        let missing = found.laplacian_of_mean - sum;
+        let missing = if are_kept {
+            Several::zero()
+        } else {
+            self.set_rows(block, queue, members, (shape, &found), settled)
+        };
+        let [means, gaussians] = block.curvatures(degree, most, &found);
         for (lane, &place) in members.iter().take(WIDTH).enumerate() {
             if settled[lane]
                 && let Some(pending) = queue[place].take()
@@ -332,6 +328,31 @@ impl<T: Real> Fits<'_, T> {
                 }
             }
         }
+    }
+
+    /// Sets the rows of Δ_S of the vertices that are settled, and returns Δ_S H of the polynomials without what the rows
+    /// yield of it.
+    #[inline(always)]
+    fn set_rows(
+        &self,
+        block: &mut Block<T>,
+        queue: &mut Queue<'_, T>,
+        members: &[usize],
+        (shape, found): (Polynomials<T>, &Found<T>),
+        settled: [bool; WIDTH],
+    ) -> Several<T> {
+        let rows = block.rows(shape, found);
+        for (lane, &place) in members.iter().take(WIDTH).enumerate() {
+            if settled[lane]
+                && let Some(pending) = &mut queue[place]
+            {
+                let row = &mut pending.row[..pending.attempt.neighbours];
+                for (entry, coefficient) in row.iter_mut().zip(rows) {
+                    *entry = coefficient.0[lane];
+                }
+            }
+        }
+        found.laplacian_of_mean - block.rows_of_mean(shape.degree, found)
     }
 
     /// Sets the neighbours of an attempt; false if those whose normals turn away leave too few.

@@ -6,9 +6,9 @@ use crate::real::Real;
 use crate::vec3::{Vec3, add, cross, dot, norm, scale, sub};
 use core::array::from_fn;
 
-/// Numbers before the coefficients: the first axis, the normal of the frame, 1 over the radius, and β of the
-/// inversion.
-const HEAD: usize = 8;
+/// Numbers before the coefficients: the first axis, the normal of the frame, 1 over the radius, β of the inversion, and
+/// the ratio of spacings.
+const HEAD: usize = 9;
 
 /// The fitted polynomial of a vertex.
 #[derive(Clone, Copy, Debug)]
@@ -17,6 +17,7 @@ pub(crate) struct LocalPolynomial<'a, T> {
     axes: [Vec3<T>; 3],
     over_radius: T,
     inversion: Inversion<T>,
+    aspect: T,
     coefficients: &'a [T],
 }
 
@@ -62,16 +63,39 @@ impl<'a, T: Real> LocalPolynomial<'a, T> {
             axes: [first, cross(normal, first), normal],
             over_radius: numbers[6],
             inversion: Inversion(numbers[7]),
+            aspect: numbers[8],
             coefficients: &numbers[HEAD..],
         }
+    }
+
+    /// The degree.
+    pub(crate) fn degree(&self) -> usize {
+        self.degree
+    }
+
+    /// The squared distance of an offset from the vertex by which fits weigh it, in units of the radius.
+    pub(crate) fn squared_distance(&self, offset: Vec3<T>) -> T {
+        let [along, ..] = self.local(offset);
+        let over = self.aspect.reciprocal_or_zero();
+        let squared = dot(offset, offset) * (self.over_radius * self.over_radius);
+        squared * over + along * along * (self.aspect - over)
+    }
+
+    /// The place of the tangent plane to which the inversion maps an offset from the vertex.
+    pub(crate) fn place(&self, offset: Vec3<T>) -> [T; 2] {
+        let [x, y, _] = self.inversion.image(self.local(offset));
+        [x, y]
+    }
+
+    fn local(&self, offset: Vec3<T>) -> Vec3<T> {
+        self.axes.map(|axis| self.over_radius * dot(offset, axis))
     }
 
     /// The point of the surface that the inversion maps to the same place of the tangent plane as it maps this offset
     /// from the vertex.
     pub(crate) fn beside(&self, offset: Vec3<T>) -> JetPoint<T> {
         let Inversion(bend) = self.inversion;
-        let local = self.axes.map(|axis| self.over_radius * dot(offset, axis));
-        let [x, y, _] = self.inversion.image(local);
+        let [x, y] = self.place(offset);
         let (height, graph) = graph_at(self.degree, self.coefficients, x, y);
         let image = [x, y, height];
         let back = Inversion(-bend);
