@@ -6,6 +6,7 @@ use helfrich::{
     TriangleMesh, VertexKind, crossing_triangles,
 };
 use helfrich_std::generate::{AnyShape, Family, generate};
+use helfrich_std::remesh::carried;
 use helfrich_tests::meshes::rows::{ExactMesh, Rows, drum, ellipsoid};
 use helfrich_tests::meshes::{self, Mesh, difference, dot, norm};
 
@@ -307,4 +308,39 @@ fn an_interruption_ends_the_work() {
         calls < 3
     });
     assert!(stopped.is_none() && calls == 3);
+}
+
+/// Order 4 at least, of the largest error, after three remeshings that each change the number of vertices; labels stay
+/// what they are, off the border between them.
+#[test]
+fn fields_and_labels_survive_three_remeshings() {
+    let errors = [600, 2400].map(|vertices| {
+        let shape: AnyShape = "torus:1,0.4".parse().expect("a shape");
+        let made = generate(&shape, Family::Irregular, vertices, 1).expect("a mesh");
+        let (mut mesh, mut places) = (made.mesh, made.positions);
+        let wave = |[x, y, z]: [f64; 3]| (2.0 * x).sin() + y * z;
+        let label = |[x, ..]: [f64; 3]| if x > 0.0 { 5.0 } else { 3.0 };
+        let mut fields = [
+            Vec::from_iter(places.iter().map(|&at| wave(at))),
+            Vec::from_iter(places.iter().map(|&at| label(at))),
+        ];
+        for part in [1.2, 0.9, 1.0] {
+            let surface = Surface::new(&mesh, &places).expect("positions");
+            let smooth = smooth(surface);
+            let remeshed = even(&smooth, (part * vertices as f64) as usize);
+            let carried = carried(&smooth, &remeshed.places, &[&fields[0], &fields[1]]);
+            fields = carried.try_into().expect("two fields");
+            places = positions(&remeshed);
+            mesh = remeshed.mesh;
+        }
+        // At most an edge for each remeshing; edges are 0.22 long at 600 vertices.
+        for (&at, &found) in places.iter().zip(&fields[1]) {
+            assert!(found == 5.0 || found == 3.0, "{found}");
+            assert!(found == label(at) || at[0].abs() < 0.66, "{at:?}");
+        }
+        let errors = places.iter().zip(&fields[0]);
+        worst(errors.map(|(&at, found)| (found - wave(at)).abs()))
+    });
+    let order = (errors[0] / errors[1]).log2();
+    assert!(order > 4.0, "{order}, {errors:?}");
 }

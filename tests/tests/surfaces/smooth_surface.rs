@@ -51,7 +51,7 @@ fn made(name: &str, family: Family, vertices: usize) -> GeneratedMesh {
 
 fn smooth(made: &GeneratedMesh, jet: &Jet<f64>) -> SmoothSurface<f64> {
     let surface = Surface::new(&made.mesh, &made.positions).expect("positions");
-    SmoothSurface::new(&Parallel::default(), surface, jet)
+    SmoothSurface::new(&Parallel::new(), surface, jet)
 }
 
 /// The point of each triangle at these coordinates.
@@ -261,7 +261,7 @@ fn exact_points_are_near_their_projections() {
     let coarse = made("torus:1,0.5", Family::Irregular, 2562);
     let fine = made("torus:1,0.5", Family::Irregular, 4000);
     let smooth = smooth(&coarse, &Jet::j6());
-    let places = smooth.project_all(&Parallel::default(), &fine.positions);
+    let places = smooth.project_all(&Parallel::new(), &fine.positions);
     for (place, &position) in places.iter().zip(&fine.positions) {
         let found = smooth.at(place.expect("a place"));
         let off = norm(difference(found.position, position));
@@ -281,7 +281,7 @@ fn it_follows_motions() {
     });
     let [here, there] =
         [&mesh, &moved].map(|mesh| SmoothSurface::new(&Serial, mesh.surface(), &Jet::j4()));
-    let threads = SmoothSurface::new(&Parallel::default(), mesh.surface(), &Jet::j4());
+    let threads = SmoothSurface::new(&Parallel::new(), mesh.surface(), &Jet::j4());
     for triangle in 0..mesh.connectivity.triangles().len() {
         let place = MeshPoint {
             triangle,
