@@ -50,6 +50,70 @@ impl SmoothSurface {
         faces: Vec<usize>,
         weights: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyDict>> {
+        let places = self.places(faces, weights)?;
+        let points = on_threads(py, None, || self.0.all_at(&Parallel::new(), &places))?;
+        columns(py, &points)
+    }
+
+    /// The values of a field at places of the mesh, and their error bars.
+    fn interpolate<'py>(
+        &self,
+        py: Python<'py>,
+        field: Vec<f64>,
+        faces: Vec<usize>,
+        weights: &Bound<'py, PyAny>,
+    ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>)> {
+        let places = self.places(faces, weights)?;
+        let count = self.0.surface().positions().len();
+        if field.len() != count {
+            return Err(invalid(format_args!(
+                "field has {} numbers, but {count} are needed, one for each vertex",
+                field.len()
+            )));
+        }
+        let points = on_threads(py, None, || {
+            let fitted = self.0.fields(&Parallel::new(), &[&field]);
+            fitted.all_at(&Parallel::new(), 0, &places)
+        })?;
+        let values = points.iter().map(|point| point.value);
+        let errors = points.iter().map(|point| point.error);
+        Ok((
+            PyArray1::from_vec(py, values.collect()),
+            PyArray1::from_vec(py, errors.collect()),
+        ))
+    }
+
+    /// The faces and weights of the places that are nearest to points.
+    fn project<'py>(
+        &self,
+        py: Python<'py>,
+        points: &Bound<'py, PyAny>,
+    ) -> PyResult<(Bound<'py, PyArray1<u32>>, Bound<'py, PyAny>)> {
+        let points = Positions::named(points, "points")?;
+        let points = points.double();
+        if let Some(row) = points.iter().position(|x| !x.iter().all(|x| x.is_finite())) {
+            let at = points[row];
+            return Err(invalid(format_args!(
+                "row {row} of points is {at:?}: finite numbers are needed"
+            )));
+        }
+        let places = on_threads(py, None, || self.0.project_all(&Parallel::new(), &points))?;
+        let places = places.into_iter().collect::<Option<Vec<_>>>();
+        let places = places.ok_or_else(|| invalid("a mesh without faces has no points"))?;
+        let faces = places.iter().map(|place| place.triangle as u32);
+        let faces = PyArray1::from_vec(py, faces.collect());
+        let weights = places.iter().map(|place| place.barycentric);
+        Ok((faces, matrix(py, weights.collect())?.into_any()))
+    }
+}
+
+impl SmoothSurface {
+    /// Places of the mesh, which are checked.
+    fn places(
+        &self,
+        faces: Vec<usize>,
+        weights: &Bound<'_, PyAny>,
+    ) -> PyResult<Vec<MeshPoint<f64>>> {
         let weights = Positions::named(weights, "weights")?;
         let weights = weights.double();
         if weights.len() != faces.len() {
@@ -75,38 +139,12 @@ impl SmoothSurface {
                 weights[row]
             )));
         }
-        let points = on_threads(py, None, || {
-            let places = faces.iter().zip(weights.iter());
-            let places = places.map(|(&triangle, &barycentric)| MeshPoint {
-                triangle,
-                barycentric,
-            });
-            self.0.all_at(&Parallel::new(), &Vec::from_iter(places))
-        })?;
-        columns(py, &points)
-    }
-
-    /// The faces and weights of the places that are nearest to points.
-    fn project<'py>(
-        &self,
-        py: Python<'py>,
-        points: &Bound<'py, PyAny>,
-    ) -> PyResult<(Bound<'py, PyArray1<u32>>, Bound<'py, PyAny>)> {
-        let points = Positions::named(points, "points")?;
-        let points = points.double();
-        if let Some(row) = points.iter().position(|x| !x.iter().all(|x| x.is_finite())) {
-            let at = points[row];
-            return Err(invalid(format_args!(
-                "row {row} of points is {at:?}: finite numbers are needed"
-            )));
-        }
-        let places = on_threads(py, None, || self.0.project_all(&Parallel::new(), &points))?;
-        let places = places.into_iter().collect::<Option<Vec<_>>>();
-        let places = places.ok_or_else(|| invalid("a mesh without faces has no points"))?;
-        let faces = places.iter().map(|place| place.triangle as u32);
-        let faces = PyArray1::from_vec(py, faces.collect());
-        let weights = places.iter().map(|place| place.barycentric);
-        Ok((faces, matrix(py, weights.collect())?.into_any()))
+        let places = faces.iter().zip(weights.iter());
+        let places = places.map(|(&triangle, &barycentric)| MeshPoint {
+            triangle,
+            barycentric,
+        });
+        Ok(places.collect())
     }
 }
 

@@ -157,6 +157,7 @@ CALLS = {
         of("method", [None, *TEXT], lambda value: h.surface(V, F, method=value)),
         of("faces", [None, -1, 80, 2**70, 0.5, NAN, "a", [[0]]], lambda value: h.surface(V, F).at(value, [[1, 0, 0]])),
         of("weights", [None, [[1, 1, 1]], [[NAN] * 3], [[1, 0]], "a"], lambda value: h.surface(V, F).at([0], value)),
+        of("field", [None, [1.0], [NAN] * 42, "a"], lambda value: h.surface(V, F).interpolate(value, [0], [[1, 0, 0]])),
         of("points", [None, [[NAN] * 3], [[INF] * 3], [[1, 0]], "a"], lambda value: h.surface(V, F).project(value)),
     ],
     "bending_energy": [

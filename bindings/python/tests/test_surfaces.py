@@ -70,6 +70,17 @@ def test_places_that_are_none_are_refused(faces, weights, text):
         helfrich.surface(V, F).at(faces, weights)
 
 
+def test_fields_between_vertices_have_the_order_of_positions():
+    V, F, _ = h.shape("torus:1,0.4", 2562, family="irregular")
+    smooth = h.surface(V, F)
+    faces, weights = np.arange(len(F)), np.full((len(F), 3), 1 / 3)
+    values, errors = smooth.interpolate(np.sin(2 * V[:, 0]), faces, weights)
+    off = np.abs(values - np.sin(2 * smooth.at(faces, weights).position[:, 0]))
+    # Linear interpolation is off by 2e-2.
+    assert off.max() < 1e-4
+    assert np.mean(off <= errors) > 0.95
+
+
 def test_points_and_methods_that_are_none_are_refused():
     V, F, _ = helfrich.shape("sphere", 12)
     with pytest.raises(ValueError, match="points"):

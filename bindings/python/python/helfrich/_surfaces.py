@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Dict, Mapping, NamedTuple, Optional, Tuple
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Tuple
 
 import numpy as np
 
@@ -63,10 +63,27 @@ class Surface:
         ValueError
             If there is no such face, or a row is no weight of corners.
         """
-        faces = np.atleast_1d(np.asarray(faces))
-        if faces.ndim != 1 or faces.dtype.kind not in "iu" or (faces < 0).any():
-            raise ValueError("faces has to be one-dimensional, with integers of at least 0")
-        return SurfacePoints(**self._surface.at(faces.tolist(), np.atleast_2d(np.asarray(weights))))
+        return SurfacePoints(**self._surface.at(*_places(faces, weights)))
+
+    def interpolate(self, field: Any, faces: Any, weights: Any) -> Tuple[np.ndarray, np.ndarray]:
+        """A field at the vertices, between them: values and error bars (k,), as smooth as the surface.
+
+        Polynomials are fitted as to the positions, and errors have the same order. Where there is no fit, values are
+        linear, and error bars infinite.
+
+        Parameters
+        ----------
+        field : (n,)
+            The values at the vertices.
+        faces, weights
+            The places, as in `at`.
+
+        Raises
+        ------
+        ValueError
+            If a vertex has no finite value, there is no such face, or a row is no weight of corners.
+        """
+        return self._surface.interpolate(_numbers(field, "field").tolist(), *_places(faces, weights))
 
     def project(self, points: Any) -> Tuple[np.ndarray, np.ndarray]:
         """The places that are nearest to points (k, 3): faces (k,), uint32, and weights of corners (k, 3).
@@ -95,7 +112,8 @@ def surface(V: Any, F: Any = None, *, method: str = "jet") -> Surface:
     Returns
     -------
     Surface
-        Its method `at` has the points, and `project` finds the places that are nearest to given ones.
+        Its method `at` has the points, `project` finds the places that are nearest to given ones, and `interpolate`
+        has fields there.
 
     Raises
     ------
@@ -216,6 +234,14 @@ def remesh(
     )
     mesh, places, errors, carried = found
     return Remeshed(*mesh, *places, errors, carried)
+
+
+def _places(faces: Any, weights: Any) -> Tuple[List[int], np.ndarray]:
+    """Faces and weights of corners, as the compiled module takes them."""
+    faces = np.atleast_1d(np.asarray(faces))
+    if faces.ndim != 1 or faces.dtype.kind not in "iu" or (faces < 0).any():
+        raise ValueError("faces has to be one-dimensional, with integers of at least 0")
+    return faces.tolist(), np.atleast_2d(np.asarray(weights))
 
 
 def _positive(value: Any, name: str) -> float:
