@@ -33,6 +33,7 @@ pub mod mesh;
 pub mod method;
 pub mod names;
 pub mod operator;
+pub mod smooth;
 pub mod status;
 
 pub use status::{Error, Status};

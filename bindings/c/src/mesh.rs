@@ -13,8 +13,18 @@ use std::sync::Arc;
 #[derive(Debug)]
 pub struct Mesh {
     pub(crate) triangles: Arc<TriangleMesh>,
-    /// Positions from a mesh file.
+    /// Positions from a mesh file, or of a new mesh of a surface.
     positions: Option<Vec<[f64; 3]>>,
+}
+
+impl Mesh {
+    /// A mesh with positions.
+    pub(crate) fn new(mesh: TriangleMesh, positions: Vec<[f64; 3]>) -> Self {
+        Self {
+            triangles: Arc::new(mesh),
+            positions: Some(positions),
+        }
+    }
 }
 
 /// Makes a mesh of triangles whose corners run counter-clockwise seen from outside.
@@ -65,11 +75,7 @@ pub unsafe extern "C" fn hf_mesh_read(
                 read_welded(path)
             };
             let file = file.map_err(|error| Failure::new(Status::UnreadableFile, error))?;
-            let made = Mesh {
-                triangles: Arc::new(file.mesh),
-                positions: Some(file.positions),
-            };
-            call.give("mesh", mesh, made)
+            call.give("mesh", mesh, Mesh::new(file.mesh, file.positions))
         })
     }
 }
@@ -126,7 +132,7 @@ fn positions<N: Number>(
 ) -> Outcome {
     let mesh = call.object("mesh", mesh)?;
     let Some(own) = &mesh.positions else {
-        let text = "the mesh was made of triangles alone: only meshes from files have positions";
+        let text = "the mesh was made of triangles alone: only those from files and of hf_remesh have positions";
         return Err(Failure::new(Status::Undefined, text));
     };
     of_vertices("positions", count, &mesh.triangles)?;
@@ -138,9 +144,10 @@ fn positions<N: Number>(
 }
 
 twins! {
-    /// Sets `positions`, `count` rows of three, to the positions in the mesh's file, in its unit of length.
+    /// Sets `positions`, `count` rows of three, to the positions in the mesh's file, in its unit of length, or to those
+    /// of a mesh that hf_remesh made.
     ///
-    /// Fails with HF_STATUS_UNDEFINED for meshes that are not from a file.
+    /// Fails with HF_STATUS_UNDEFINED for meshes of triangles alone.
     fn hf_mesh_positions, hf_mesh_positions_f32<$N>(
         mesh: *const Mesh, positions: *mut [$N; 3], count: usize,
     ) |call| self::positions(call, mesh, positions, count)

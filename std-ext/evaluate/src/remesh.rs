@@ -138,6 +138,12 @@ pub enum RemeshError {
         "the positions have noise of {:.1e} ({:.1e} mean edges), which the new mesh would have as bumps", .0.length, .0.edges
     )]
     Noise(Noise<f64>),
+    /// More vertices than [`MOST_VERTICES`].
+    #[error(
+        "edges of these lengths ask for about {0:.1e} vertices, more than {MOST_VERTICES}: choose longer ones, or the number of \
+         vertices"
+    )]
+    TooManyVertices(f64),
     /// Triangles that cross, where the old ones do not.
     #[error(
         "{0} pairs of triangles would cross each other, where the surface is thinner than the new edges: choose more \
@@ -148,6 +154,9 @@ pub enum RemeshError {
     #[error("interrupted")]
     Interrupted,
 }
+
+/// Most vertices of a new mesh: about 60 GB of memory.
+pub const MOST_VERTICES: usize = 1 << 27;
 
 /// Noise, in mean edges, from which on bumps are a considerable part of H: about this number times the edges that fit into a
 /// radius of curvature.
@@ -183,6 +192,12 @@ pub fn remeshed(
     let lines = surface.creases(request.creases);
     let smooth = SmoothSurface::with_lines(&Parallel::new(), surface, &jet, &lines);
     let sizes = request.lengths.at_vertices(&smooth);
+    let expected = request
+        .vertices
+        .map_or_else(|| vertices_of(surface, &sizes), |count| count as f64);
+    if expected > MOST_VERTICES as f64 {
+        return Err(RemeshError::TooManyVertices(expected));
+    }
     let settings = Remeshing {
         sizes: &sizes,
         vertices: request.vertices,
@@ -200,6 +215,17 @@ pub fn remeshed(
         made,
         moved,
     })
+}
+
+/// The number of vertices of equilateral triangles with these lengths: of each, an edge of length l has the area √3/2 l².
+fn vertices_of(surface: Surface<'_, f64>, sizes: &[f64]) -> f64 {
+    let triangles = surface.mesh().triangles().iter().enumerate();
+    let counts = triangles.map(|(triangle, corners)| {
+        let size = corners.map(|corner| sizes[corner as usize]);
+        let size = size.into_iter().sum::<f64>() / 3.0;
+        2.0 / 3.0_f64.sqrt() * surface.triangle_area(triangle) / (size * size)
+    });
+    counts.sum()
 }
 
 /// A triangle of the old mesh for each new one: that at its first corner.

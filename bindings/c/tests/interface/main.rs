@@ -6,6 +6,7 @@
 mod beside;
 mod equal;
 mod errors;
+mod smooth;
 mod table;
 
 use helfrich::TriangleMesh;

@@ -139,6 +139,33 @@ static void *measured(int narrow) {
     return any(20) == 0 ? NULL : narrow ? (void *)&own_f32 : (void *)&own;
 }
 
+static void *points(int narrow) {
+    static hf_surface_points own;
+    static hf_surface_points_f32 own_f32;
+    own = (hf_surface_points){rows(N, 3, 0), rows(N, 1, 0), NULL, rows(N, 1, 0), NULL, rows(N, 1, 0), NULL, rows(N, 2, 0), NULL};
+    own_f32 = (hf_surface_points_f32){rows(N, 3, 1), NULL, rows(N, 3, 1), rows(N, 1, 1), NULL, NULL, rows(N, 1, 1), NULL, rows(N, 3, 1)};
+    return any(20) == 0 ? NULL : narrow ? (void *)&own_f32 : (void *)&own;
+}
+
+static hf_surface *surface_of(const hf_mesh *mesh, const void *x, int narrow) {
+    hf_surface *surface = NULL;
+    const uint32_t degree = 2 * any(5);
+    count_outcome(narrow ? hf_surface_new_f32(mesh, x, count(N), degree, any(3), &surface, report())
+                         : hf_surface_new(mesh, x, count(N), degree, any(3), &surface, report()));
+    return surface;
+}
+
+static hf_mesh *remeshed(const hf_mesh *mesh, const void *x, int narrow) {
+    hf_mesh *made = NULL;
+    const hf_remeshing wanted = {any(3) * N, any(3) ? 0.0 : number(), any(4) ? 60.0 : number(), any(3)};
+    const hf_remeshing *asked = any(20) ? &wanted : NULL;
+    /* Lengths far below those of the mesh ask for more vertices than memory holds. */
+    if (wanted.edge > 0.0 && wanted.edge < 0.3) asked = NULL;
+    count_outcome(narrow ? hf_remesh_f32(mesh, x, count(N), asked, any(3), &made, report())
+                         : hf_remesh(mesh, x, count(N), asked, any(3), &made, report()));
+    return made;
+}
+
 static void call(hf_mesh *mesh, hf_membrane **membranes, hf_method *method) {
     hf_membrane *membrane = any(30) ? membranes[0] : NULL;
     const hf_mesh *of = any(30) ? mesh : NULL;
@@ -157,9 +184,10 @@ static void call(hf_mesh *mesh, hf_membrane **membranes, hf_method *method) {
     const double box[2][3] = {{8.0, 0.0, 8.0}, {8.0, any(4) ? 8.0 : number(), 0.5}};
     const double *periods = any(2) ? NULL : box[any(2)];
     const float periods_f32[3] = {8.0f, 0.0f, any(4) ? 8.0f : 0.5f};
-    const uint32_t which = any(45);
+    const uint32_t which = any(53);
     const int narrow = which % 2;
     void *x = positions(narrow);
+    hf_surface *smooth = which < 45 || any(30) == 0 ? NULL : surface_of(of, x, narrow);
     switch (which) {
     case 0: count_outcome(hf_mesh_triangles(of, rows(M, 3, 1), count(M), report())); break;
     case 1: count_outcome(hf_mesh_positions_f32(of, rows(N, 3, 1), count(n), report())); break;
@@ -202,9 +230,17 @@ static void call(hf_mesh *mesh, hf_membrane **membranes, hf_method *method) {
     case 39: count_outcome(hf_viscous_force(of, x, positions(0), count(n), 1.0, any(4) ? 0.5 : number(), rows(N, 3, 0), any(2) ? NULL : rows(1, 1, 0), report())); break;
     case 40: count_outcome(hf_repulsion(any(20) ? meshes : NULL, several, x, rows(2 * N, 3, 0), any(4) ? several * n : any(3) * n / 2, 1.0, any(4) ? 1.0 : number(), (void *)periods, rows(1, 1, 0), any(4), report())); break;
     case 41: count_outcome(hf_repulsion_f32(any(20) ? meshes : NULL, several, x, rows(2 * N, 3, 1), any(4) ? several * n : any(3) * n / 2, any(4) ? 1.0f : (float)number(), 1.0f, any(2) ? NULL : (void *)periods_f32, any(2) ? NULL : rows(1, 1, 1), any(4), report())); break;
+    case 45: count_outcome(hf_surface_at_f32(smooth, places, rows(N, 3, 1), count(n), any(3), points(1), report())); break;
+    case 46: count_outcome(hf_surface_at(smooth, places, rows(N, 3, 0), count(n), any(3), points(0), report())); break;
+    case 47: count_outcome(hf_surface_project_f32(smooth, rows(N, 3, 1), count(n), any(3), places, rows(N, 3, 1), report())); break;
+    case 48: count_outcome(hf_surface_project(smooth, rows(N, 3, 0), count(n), any(3), places, rows(N, 3, 0), report())); break;
+    case 49: count_outcome(hf_surface_interpolate_f32(smooth, rows(N, 1, 1), count(n), places, rows(N, 3, 1), count(n), any(3), rows(N, 1, 1), NULL, report())); break;
+    case 50: count_outcome(hf_surface_interpolate(smooth, rows(N, 1, 0), count(n), places, rows(N, 3, 0), count(n), any(3), rows(N, 1, 0), rows(N, 1, 0), report())); break;
+    case 51: case 52: hf_mesh_free(remeshed(of, x, narrow)); break;
     default:
         if (strlen(hf_status_text((int)any(100) - 50)) == 0 || strlen(hf_version()) == 0) exit(1);
     }
+    hf_surface_free(smooth);
 }
 
 int main(int argc, char **argv) {
