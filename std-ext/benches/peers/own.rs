@@ -7,14 +7,16 @@
 #![expect(clippy::print_stdout, reason = "the result")]
 
 use helfrich::subdivision::Subdivision;
-use helfrich::{AdaptiveJet, Surface};
-use helfrich_std::execute::Parallel;
+use helfrich::{AdaptiveJet, Curvature, Curvatures, Jet, Method, Surface};
+use helfrich_std::execute::{Parallel, with_threads};
 use helfrich_std::generate::{AnyShape, Family, generate};
 use helfrich_std::io;
 use helfrich_std::measurement::Measurement;
 use helfrich_std::method::{BendingMethod, Evaluator, MethodOptions};
+use helfrich_std::remesh::{EdgeLengths, MeshRequest, remeshed};
 use std::error::Error;
 use std::hint::black_box;
+use std::num::NonZeroUsize;
 use std::path::Path;
 use std::time::Instant;
 
@@ -32,9 +34,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         ["jet", mesh] => jet(Path::new(mesh)),
         ["read", mesh] => read(Path::new(mesh)),
         ["subdivide", mesh, levels] => subdivide(Path::new(mesh), levels.parse()?),
+        ["remesh", mesh, output] => remesh(Path::new(mesh), Path::new(output)),
+        ["accuracy", mesh] => accuracy(Path::new(mesh)),
         _ => Err(
             "meshes FOLDER | curvatures MESH METHOD… | jet MESH | read MESH | subdivide MESH \
-                  LEVELS"
+                  LEVELS | remesh MESH OUTPUT | accuracy MESH"
                 .into(),
         ),
     }
@@ -142,5 +146,67 @@ fn subdivide(path: &Path, levels: u32) -> Result<(), Box<dyn Error>> {
     }
     println!("{}", start.elapsed().as_secs_f64());
     black_box((mesh, positions));
+    Ok(())
+}
+
+/// Prints the seconds to make even triangles with the same number of vertices, on one thread.
+fn remesh(path: &Path, output: &Path) -> Result<(), Box<dyn Error>> {
+    let file = io::read(path)?;
+    let surface = Surface::new(&file.mesh, &file.positions)?;
+    let request = MeshRequest {
+        lengths: EdgeLengths::Uniform(1.0),
+        vertices: Some(file.positions.len()),
+        creases: 60_f64.to_radians(),
+        smooth: false,
+    };
+    let start = Instant::now();
+    let new = with_threads(NonZeroUsize::MIN, || {
+        remeshed(surface, &request, &mut |_| true)
+    })?;
+    println!("{}", start.elapsed().as_secs_f64());
+    let positions = new.made.points.iter().map(|point| point.position);
+    io::write(output, &Vec::from_iter(positions), &new.made.mesh)?;
+    Ok(())
+}
+
+/// Prints of a mesh near the discocyte its number of vertices, its smallest angle in degrees, the largest error of H by
+/// jets of degree 6 over the largest exact |H|, and the largest distance of a vertex from the surface.
+fn accuracy(path: &Path) -> Result<(), Box<dyn Error>> {
+    let shape: AnyShape = "discocyte".parse()?;
+    let io::MeshFile {
+        mesh, positions, ..
+    } = io::read(path)?;
+    let surface = Surface::new(&mesh, &positions)?;
+    let mut angle = f64::INFINITY;
+    for triangle in 0..mesh.triangles().len() {
+        let angles = surface.triangle_angles(triangle);
+        angle = angles.into_iter().fold(angle, f64::min);
+    }
+    let mut workspace = Jet::j6().workspace(&mesh);
+    let mut found = vec![Curvature::default(); positions.len()];
+    Jet::j6().curvatures(&Parallel::new(), surface, &mut workspace, &mut found);
+    let (mut error, mut distance, mut largest) = (0.0_f64, 0.0_f64, 0.0_f64);
+    for (&[x, y, z], curvature) in positions.iter().zip(&found) {
+        // Preimages have x and y of the surface, and z over half of the thickness there.
+        let mut preimage = [x, y, (1.0 - x * x - y * y).max(1e-6).sqrt().copysign(z)];
+        let mut exact = helfrich::shapes::Shape::at(&shape, preimage);
+        for _ in 0..4 {
+            let length = preimage.iter().map(|x| x * x).sum::<f64>().sqrt();
+            exact = helfrich::shapes::Shape::at(&shape, preimage.map(|x| x / length));
+            if exact.position[2] != 0.0 {
+                preimage[2] *= z / (exact.position[2] * length);
+            }
+        }
+        let [a, b, c] = exact.position;
+        distance = distance.max((x - a).hypot(y - b).hypot(z - c));
+        error = error.max((curvature.mean - exact.mean).abs());
+        largest = largest.max(exact.mean.abs());
+    }
+    println!(
+        "{} {} {} {distance}",
+        positions.len(),
+        angle.to_degrees(),
+        error / largest
+    );
     Ok(())
 }

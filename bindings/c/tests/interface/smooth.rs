@@ -246,7 +246,7 @@ fn wrong_places_and_requests_are_refused() {
             mesh.0,
             rough.as_ptr(),
             count,
-            &raw const EVEN,
+            &EVEN,
             0,
             place,
             error,
