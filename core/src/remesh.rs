@@ -21,11 +21,11 @@ use ground::InputSurface;
 use passes::Remesher;
 
 /// Number of rounds after which no more follow if fewer than one vertex in so many was made or removed.
-const SETTLING: usize = 5;
+const SETTLING: usize = 4;
 const FEW: usize = 50;
 
 /// Number of rounds at the end that make triangles Delaunay ones.
-const LAST: usize = 4;
+const LAST: usize = 3;
 
 /// Most attempts to put vertices on flat triangles where triangles cross.
 const RETREATS: usize = 8;
