@@ -24,6 +24,15 @@ pub struct Smoothing {
 }
 
 impl Smoothing {
+    /// Fits of degree 4 to a number of neighbours, for surfaces whose noise is not measured: of the two degrees that
+    /// average noise, the one that smooths more.
+    pub fn of_neighbours(neighbours: usize) -> Self {
+        Self {
+            degree: DEGREES[0],
+            neighbours,
+        }
+    }
+
     /// One degree and number of neighbours for a surface measured by adaptive jets: the most frequent
     /// degree of their fits for H, and the median number of neighbours of these. `None` unless half of
     /// the vertices have noise, and half of all fits average it: other surfaces should not be smoothed.

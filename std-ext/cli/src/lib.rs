@@ -9,6 +9,7 @@ mod curvature;
 mod recommend;
 mod remesh;
 mod repair;
+mod smooth;
 pub mod study;
 pub mod terminal;
 
@@ -34,6 +35,7 @@ use helfrich_std::sweep::{Outcome, Sweep, Vary};
 use recommend::{RecommendArguments, recommend_method};
 use remesh::{RemeshArguments, remesh_file};
 use repair::{RepairArguments, repair_file};
+use smooth::{SmoothArguments, smooth_file};
 use std::alloc::System;
 use std::fs;
 use std::num::NonZeroUsize;
@@ -89,6 +91,12 @@ enum Command {
     /// contradicting orientations, surfaces with one side, and vertices where surfaces only touch are always
     /// repaired; everything else only on request. A valid mesh keeps every bit, and a second repair finds nothing.
     Repair(RepairArguments),
+    /// Remove the noise of the positions of a mesh file, or smooth them by mean-curvature flow.
+    ///
+    /// Vertices keep their numbers, and are moved along their normals onto polynomials fitted to their neighbours, at
+    /// the scale that the measured noise asks for. Closed components keep their volumes. A mesh without noise keeps every
+    /// bit.
+    Smooth(SmoothArguments),
     /// Refine a mesh file by Loop's rules: four triangles for each triangle and level.
     Subdivide(SubdivideArguments),
     /// Run a scene: surfaces, the effects that act on each, and a driver that moves them.
@@ -304,6 +312,7 @@ pub fn program_with(methods: &[OwnMethod]) -> ExitCode {
         Command::Info(arguments) => info(&arguments),
         Command::Remesh(arguments) => arguments.threads.run(|| remesh_file(&arguments)),
         Command::Repair(arguments) => repair_file(&arguments),
+        Command::Smooth(arguments) => arguments.threads.run(|| smooth_file(&arguments)),
         Command::Subdivide(arguments) => subdivide_file(&arguments),
         Command::Run(arguments) => arguments.scene.threads.run(|| run_scene(&arguments)),
         Command::Sweep(arguments) => arguments.scene.threads.run(|| sweep(&arguments)),

@@ -177,3 +177,97 @@ impl Held {
         }
     }
 }
+
+/// Largest number of steps of [`keep_volumes`]. The correct digits double with each, once the first is right.
+const STEPS: usize = 40;
+
+/// Error, in roundings of a volume, below which it counts as kept.
+const ROUNDINGS: f64 = 8.0;
+
+/// A volume that was not kept.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "component {component} would have the volume {volume:.3e} instead of {target:.3e}, and moving its vertices along \
+     their normals does not give it back"
+)]
+pub struct VolumeError {
+    /// The component, numbered as by `Components`.
+    pub component: usize,
+    /// Its volume, a length cubed.
+    pub volume: f64,
+    /// The volume that it had before.
+    pub target: f64,
+}
+
+/// Moves the vertices of each closed component by the same distance along their normals, until the component
+/// encloses the volume V0 that it has on `before` (a length cubed, signed, of the polyhedron) to rounding: `|V − V0| ≤
+/// 8 ε (|V0| + Σ |∂V/∂x| |x|)`. Components with a border, and those whose volume is right, stay where they are.
+///
+/// Normals are the directions of ∂V/∂x, so that `A = Σ |∂V/∂x|` is the derivative of V by the distance. Steps are `3 V/A
+/// ((V0/V)^⅓ − 1)`, exact on spheres and Newton's `(V0 − V)/A` near V0, and the latter if V changes its sign.
+///
+/// # Errors
+/// If a volume is not reached.
+///
+/// # Panics
+/// If there is not one position per vertex.
+pub fn keep_volumes(
+    before: Surface<'_, f64>,
+    positions: &mut [[f64; 3]],
+) -> Result<(), VolumeError> {
+    let mesh = before.mesh();
+    let mut quantity = Quantity::new(AnyFunctional::Volume, mesh);
+    let targets = quantity.values(before).to_vec();
+    let mut volumes = targets.clone();
+    let (components, _) = mesh.components();
+    let mut gradient = vec![[0.0; 3]; positions.len()];
+    let length = |[x, y, z]: [f64; 3]| x.hypot(y).hypot(z);
+    for _ in 0..=STEPS {
+        let Ok(surface) = Surface::new(mesh, positions) else {
+            // Positions were finite at the start: the steps have left the range.
+            break;
+        };
+        volumes.copy_from_slice(quantity.values(surface));
+        gradient.fill([0.0; 3]);
+        quantity.add_gradient(surface, &mut gradient);
+        // A, and Σ |∂V/∂x| |x|.
+        let mut sums = vec![[0.0; 2]; targets.len()];
+        for ((&gradient, &at), &component) in gradient.iter().zip(&*positions).zip(&components) {
+            let [area, reach] = &mut sums[component as usize];
+            *area += length(gradient);
+            *reach += length(gradient) * length(at);
+        }
+        let of_component = volumes.iter().zip(&targets).zip(&sums);
+        let distances = of_component.map(|((&volume, &target), &[area, reach])| {
+            let off = target - volume;
+            if off.abs() <= ROUNDINGS * f64::EPSILON * (target.abs() + reach) {
+                0.0
+            } else if volume * target > 0.0 {
+                3.0 * volume / area * ((target / volume).cbrt() - 1.0)
+            } else {
+                off / area
+            }
+        });
+        let distances = Vec::from_iter(distances);
+        if distances.iter().all(|&distance| distance == 0.0) {
+            return Ok(());
+        }
+        for ((at, &gradient), &component) in positions.iter_mut().zip(&gradient).zip(&components) {
+            let distance = distances[component as usize];
+            let size = length(gradient);
+            if distance != 0.0 && size > 0.0 {
+                *at = std::array::from_fn(|axis| at[axis] + distance / size * gradient[axis]);
+            }
+        }
+    }
+    let off = |component: usize| (volumes[component] / targets[component] - 1.0).abs();
+    let worst = (0..targets.len()).filter(|&component| targets[component] != 0.0);
+    let component = worst
+        .max_by(|&a, &b| off(a).total_cmp(&off(b)))
+        .unwrap_or(0);
+    Err(VolumeError {
+        component,
+        volume: volumes[component],
+        target: targets[component],
+    })
+}

@@ -2,6 +2,7 @@
 //! other crates.
 
 use crate::execute::Parallel;
+use crate::held::{VolumeError, keep_volumes};
 use crate::ordered::Ordered;
 use helfrich::{AdaptiveJet, Components, Measured, Noise, Smoothing, Surface};
 
@@ -35,6 +36,26 @@ pub fn smoothed(surface: Surface<'_, f64>, smoothing: Smoothing) -> Vec<[f64; 3]
     smooth
 }
 
+/// The reason why the noise of a surface is not removed.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum NotQuieted {
+    /// There is none.
+    #[error("the positions have no noise that can be told from the shape")]
+    NoNoise,
+    /// Fits do not reduce it around half of the vertices: see [`Smoothing::of_measured`].
+    #[error(
+        "the positions have noise of {:.1e} ({:.1e} mean edges), which no fits reduce around half of the vertices or \
+         more: it is as small as the errors of the fits, or the mesh does not resolve the shape", .0.length, .0.edges
+    )]
+    Unresolved(Noise<f64>),
+    /// A component would lose its volume.
+    #[error(transparent)]
+    Volume(#[from] VolumeError),
+    /// The caller ended the work.
+    #[error("interrupted")]
+    Interrupted,
+}
+
 /// Result of removing the noise of a surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quieted {
@@ -42,7 +63,7 @@ pub struct Quieted {
     pub noise: Noise<f64>,
     /// The scale of the fits onto which vertices were moved, [`Quieted::TIMES`] times.
     pub smoothing: Smoothing,
-    /// The smoothed positions.
+    /// The smoothed positions. Each closed component encloses its original volume: see [`keep_volumes`].
     pub positions: Vec<[f64; 3]>,
     /// Root mean square of the displacements.
     pub moved: f64,
@@ -56,34 +77,63 @@ impl Quieted {
     pub const TIMES: usize = 4;
 
     /// Removes the noise of a surface, at one scale that adaptive jets choose: see
-    /// [`Smoothing::of_measured`]. `None` if there is no noise, or if the mesh does not resolve the shape.
-    pub fn new(surface: Surface<'_, f64>) -> Option<Self> {
+    /// [`Smoothing::of_measured`]. `watch` gets the part of this choice that is done, and ends the work by `false`.
+    ///
+    /// # Errors
+    /// If there is no noise, if fits do not reduce it, if a volume cannot be kept, or if the work is ended.
+    pub fn new(
+        surface: Surface<'_, f64>,
+        watch: &mut dyn FnMut(f64) -> bool,
+    ) -> Result<Self, NotQuieted> {
         let noise = noise_of(surface);
         // Detecting noise costs little; the choice of the scale takes as long as two dozen evaluations of
         // jets.
         if !noise.is_seen() {
-            return None;
+            return Err(NotQuieted::NoNoise);
         }
-        let measured = measured(&AdaptiveJet::default(), surface, &mut |_| true)?;
-        Self::of_measured(surface, noise, &measured)
+        let measured = measured(&AdaptiveJet::default(), surface, watch);
+        Self::of_measured(surface, noise, &measured.ok_or(NotQuieted::Interrupted)?)
     }
 
     /// The same for a surface that adaptive jets have measured, with this noise.
+    ///
+    /// # Errors
+    /// If fits do not reduce the noise, or if a volume cannot be kept.
     pub fn of_measured(
         surface: Surface<'_, f64>,
         noise: Noise<f64>,
         measured: &[Measured<f64>],
-    ) -> Option<Self> {
-        let smoothing = Smoothing::of_measured(measured)?;
+    ) -> Result<Self, NotQuieted> {
+        let smoothing = Smoothing::of_measured(measured);
+        let smoothing = smoothing.ok_or(NotQuieted::Unresolved(noise))?;
+        Ok(Self::at_scale(surface, noise, smoothing)?)
+    }
+
+    /// The same at a given scale, whatever the noise is.
+    ///
+    /// # Errors
+    /// If a volume cannot be kept.
+    ///
+    /// # Panics
+    /// If the degree is not 2 to 6.
+    pub fn at_scale(
+        surface: Surface<'_, f64>,
+        noise: Noise<f64>,
+        smoothing: Smoothing,
+    ) -> Result<Self, VolumeError> {
         let mut positions = surface.positions().to_vec();
         for _ in 0..Self::TIMES {
-            let smooth = smoothed(Surface::new(surface.mesh(), &positions).ok()?, smoothing);
-            positions = smooth;
+            let Ok(rough) = Surface::new(surface.mesh(), &positions) else {
+                // Fits have left the range of numbers: the volume is not a number either.
+                break;
+            };
+            positions = smoothed(rough, smoothing);
         }
+        keep_volumes(surface, &mut positions)?;
         let both = surface.positions().iter().zip(&positions);
         let squares = both.map(|(a, b)| (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>());
         let moved = (squares.sum::<f64>() / positions.len() as f64).sqrt();
-        Some(Self {
+        Ok(Self {
             noise,
             smoothing,
             positions,

@@ -1,7 +1,7 @@
 //! New meshes of smooth surfaces in f64, compiled once here for all other crates: edge lengths, creases, fields.
 
 use crate::execute::Parallel;
-use crate::noise::{Quieted, noise_of};
+use crate::noise::{NotQuieted, Quieted, noise_of};
 use helfrich::{MeshPoint, Noise, Remeshed, Remeshing, SmoothSurface, Surface, crossing_triangles};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -144,6 +144,9 @@ pub enum RemeshError {
          vertices"
     )]
     TooManyVertices(f64),
+    /// Noise that was not removed.
+    #[error(transparent)]
+    NotQuieted(#[from] NotQuieted),
     /// Triangles that cross, where the old ones do not.
     #[error(
         "{0} pairs of triangles would cross each other, where the surface is thinner than the new edges: choose more \
@@ -166,21 +169,28 @@ const ROUGH: f64 = 1e-3;
 /// work by `false`. See [`SmoothSurface::remesh`].
 ///
 /// # Errors
-/// If positions are noisy, if triangles would cross, or if the work is ended.
+/// If positions are noisy, if their noise cannot be removed, if triangles would cross, or if the work is ended.
 pub fn remeshed(
     surface: Surface<'_, f64>,
     request: &MeshRequest,
     go_on: &mut dyn FnMut(f64) -> bool,
 ) -> Result<NewMesh, RemeshError> {
-    let mut quiet = None;
-    if request.smooth {
-        quiet = Quieted::new(surface);
+    let quiet = if request.smooth {
+        // The fits take most of the time, before anything of the new mesh is done.
+        match Quieted::new(surface, &mut |_| go_on(0.0)) {
+            Err(NotQuieted::Interrupted) => return Err(RemeshError::Interrupted),
+            // Noise that is no considerable bump may stay.
+            Err(NotQuieted::NoNoise) => None,
+            Err(NotQuieted::Unresolved(noise)) if noise.edges <= ROUGH => None,
+            quiet => Some(quiet?),
+        }
     } else {
         let noise = noise_of(surface);
         if noise.edges > ROUGH {
             return Err(RemeshError::Noise(noise));
         }
-    }
+        None
+    };
     let mesh = surface.mesh();
     let surface = match &quiet {
         Some(quiet) => {

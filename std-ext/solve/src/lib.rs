@@ -2,8 +2,10 @@
 //!
 //! * [`dynamics`]: relaxation to equilibrium and integration in time, for any forces.
 //! * [`flow`]: viscous fluids, set in motion by the forces of membranes.
+//! * [`smoothing`]: smoother positions, by fits or by mean-curvature flow.
 //! * [`deformation`]: deformation and orientation of bodies in flow.
 
 pub mod deformation;
 pub mod dynamics;
 pub mod flow;
+pub mod smoothing;

@@ -21,3 +21,4 @@ use helfrich_evaluate::{execute, method, noise, scalar};
 use helfrich_mesh::{generate, info, io};
 use helfrich_run::{findings, lock, plots, png, run, sweep};
 use helfrich_scene::{series, six};
+use helfrich_solve::smoothing;

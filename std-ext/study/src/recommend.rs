@@ -467,7 +467,7 @@ impl Ground<'_> {
             }
         }
         let quiet = Quieted::of_measured(self.surface, self.noise, &jet.measurement.vertices);
-        let smooth = quiet.as_ref();
+        let smooth = quiet.as_ref().ok();
         let smooth = smooth.map_or(self.surface.positions(), |quiet| &quiet.positions);
         let smooth = Surface::new(mesh, smooth)?;
         let eighth = Reference::of(&Evaluator::new(BendingMethod::J8, 1.0, mesh).fields(smooth));

@@ -4,12 +4,14 @@ mod csv;
 mod noisy;
 pub mod page;
 mod recommendation;
+mod smoothing;
 mod study;
 
 pub use crate::findings::first_of_each_kind;
 pub use csv::{curvature_csv, study_csv};
 pub use noisy::{noise_section, noise_table};
 pub use recommendation::recommendation;
+pub use smoothing::smoothing;
 pub use study::{conclusion, study_table, verdict_table};
 
 use crate::info::{ComponentInfo, MeshInfo};
@@ -20,6 +22,7 @@ use crate::six::Six;
 use crate::study::MOST_SCATTER;
 use crate::sweep::{Case, Crossing, Outcome, Swept};
 use helfrich::Noise;
+use std::fmt::Display;
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -51,7 +54,7 @@ pub fn mesh_info(
     noise: &Noise<f64>,
     out: &mut dyn Write,
 ) -> io::Result<()> {
-    let mut line = |name: &str, value: String| writeln!(out, "{name:22} {value}");
+    let mut line = |name: &str, value: String| property(out, name, value);
     let isolated = match info.isolated_vertices {
         0 => String::new(),
         count => format!(" ({count} in no triangle)"),
@@ -73,7 +76,7 @@ pub fn mesh_info(
     let volume = match info.volume {
         Some(volume) if volume < 0.0 => format!("{volume} (negative: the mesh is inside out)"),
         Some(volume) => volume.to_string(),
-        None => "not defined: the mesh has a boundary".to_owned(),
+        None => NO_VOLUME.to_owned(),
     };
     line("volume", volume)?;
     let total = components.iter().map(|part| part.total_mean_curvature);
@@ -106,11 +109,25 @@ pub fn mesh_info(
         [first, ..] => format!("{} (the first is {first})", info.degenerate_triangles.len()),
     };
     line("degenerate triangles", degenerate)?;
+    let (name, seen) = noise_property(noise);
+    line(name, seen)
+}
+
+/// The volume of a mesh with a boundary.
+const NO_VOLUME: &str = "not defined: the mesh has a boundary";
+
+/// Writes a property of a mesh.
+fn property(out: &mut dyn Write, name: &str, value: impl Display) -> io::Result<()> {
+    writeln!(out, "{name:22} {value}")
+}
+
+/// The noise as a property of a mesh.
+fn noise_property(noise: &Noise<f64>) -> (&'static str, String) {
     let seen = match noise.is_seen() {
         true => noise_of_positions(noise),
         false => "none is seen".to_owned(),
     };
-    line("noise of positions", seen)
+    ("noise of positions", seen)
 }
 
 /// The measures of a component in words.

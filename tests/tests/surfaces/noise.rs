@@ -325,7 +325,7 @@ fn noise_is_taken_out_at_one_scale() {
         let noisy = disturbed(&made.positions, deviation * mean_edge(&made));
         let surface = Surface::new(&made.mesh, &noisy).expect("positions");
         let measured = measured(&AdaptiveJet::default(), surface, &mut |_| true).expect("a result");
-        let quieted = Quieted::new(surface).expect("noise");
+        let quieted = Quieted::new(surface, &mut |_| true).expect("noise");
         assert_eq!(Smoothing::of_measured(&measured), Some(quieted.smoothing));
         neighbours.push(quieted.smoothing.degree.abs_diff(7) * quieted.smoothing.neighbours);
         let surface = Surface::new(&made.mesh, &quieted.positions).expect("positions");

@@ -5,12 +5,16 @@
 //! An implementation of our own, because it is short and rounds identically on every machine.
 
 use helfrich::TriangleMesh;
+use helfrich_evaluate::execute::look_for_interruption;
 
 /// Index that stands for no vertex or column.
 const NONE: u32 = u32::MAX;
 
 /// Sets of at most this many vertices are not dissected further.
 const LEAF: usize = 24;
+
+/// Number of rows that are factorised between two looks for an interruption: some milliseconds on the largest meshes.
+const INTERRUPTIBLE: usize = 256;
 
 /// The symbolic factorisation, which follows from the mesh alone.
 #[derive(Clone, Debug)]
@@ -123,6 +127,9 @@ impl Factor {
         let mut path = Vec::new();
         let mut reach: Vec<u32> = Vec::new();
         for row in 0..count {
+            if row % INTERRUPTIBLE == 0 {
+                look_for_interruption();
+            }
             seen[row] = row as u32;
             reach.clear();
             for &(column, edge) in pattern.row(row) {
