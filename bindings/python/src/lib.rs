@@ -13,6 +13,7 @@ mod operators;
 mod recommendation;
 mod scenes;
 mod smooth_surface;
+mod smoothing;
 mod work;
 
 use helfrich::Finding;
@@ -74,6 +75,8 @@ mod _helfrich {
     use super::scenes::run;
     #[pymodule_export]
     use super::smooth_surface::{SmoothSurface, remesh};
+    #[pymodule_export]
+    use super::smoothing::smooth;
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

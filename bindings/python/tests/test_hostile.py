@@ -152,6 +152,12 @@ CALLS = {
         of("smooth", FLAG, lambda value: h.remesh(V, F, smooth=value)),
         of("fields|a", [3, [1], {3: V[:, 0]}, {"a": [1.0]}, {"a": "b"}], lambda value: h.remesh(V, F, fields=value)),
     ],
+    "smooth": [
+        of_mesh(h.smooth),
+        of("scale", [27, 4097, *WHOLE], lambda value: h.smooth(V, F, scale=value)),
+        of("flow", [0.0, *LENGTH_OR_NONE], lambda value: h.smooth(V, F, flow=value)),
+        of("threads", THREADS, lambda value: h.smooth(V, F, threads=value)),
+    ],
     "surface": [
         of_mesh(h.surface),
         of("method", [None, *TEXT], lambda value: h.surface(V, F, method=value)),

@@ -118,3 +118,40 @@ def test_noise_is_refused_with_the_remedy():
     with pytest.raises(ValueError, match="smooth=True"):
         helfrich.remesh(V, F)
     assert len(helfrich.remesh(V, F, smooth=True).vertices) == 642
+
+
+def test_noise_is_removed_and_volumes_are_kept():
+    V, F, _ = helfrich.shape("sphere", 2562, family="irregular")
+    noisy = V + 1e-3 * np.random.default_rng(1).standard_normal(V.shape)
+    found = helfrich.smooth(noisy, F)
+    before, after = (abs(np.linalg.norm(x, axis=1) - 1).mean() for x in (noisy, found.vertices))
+    assert after < before / 3 and found.noise == pytest.approx(1e-3, rel=0.1)
+    assert found.degree in (4, 6) and found.scale >= 28
+    assert found.volume[1] == pytest.approx(found.volume[0], rel=1e-12)
+    assert found.area[0] == pytest.approx(helfrich.check(noisy, F).area, rel=1e-12)
+    moved = np.linalg.norm(found.vertices - noisy, axis=1)
+    assert found.largest_displacement == pytest.approx(moved.max(), rel=1e-12)
+    assert found.displacement == pytest.approx(np.sqrt((moved**2).mean()), rel=1e-12)
+    assert (helfrich.smooth(noisy, F, threads=1).vertices == found.vertices).all()
+
+
+def test_positions_without_noise_keep_their_bits():
+    V, F, _ = helfrich.shape("discocyte", 642)
+    found = helfrich.smooth(V, F)
+    assert (found.vertices == V).all() and (found.noise, found.scale, found.displacement) == (0, 0, 0)
+
+
+def test_strengths_of_smoothing_are_chosen():
+    V, F, _ = helfrich.shape("discocyte", 642)
+    scales = [helfrich.smooth(V, F, scale=scale) for scale in (64, 256)]
+    flows = [helfrich.smooth(V, F, flow=time) for time in (1e-4, 1e-2)]
+    for weak, strong in (scales, flows):
+        assert strong.displacement > 4 * weak.displacement > 0
+        assert strong.volume[1] == pytest.approx(strong.volume[0], rel=1e-12)
+    assert [found.scale for found in scales] == [64, 256] and flows[0].degree == 0
+    with pytest.raises(ValueError, match="scale and flow are given together"):
+        helfrich.smooth(V, F, scale=64, flow=1.0)
+    with pytest.raises(ValueError, match="choose a time far below this area"):
+        helfrich.smooth(V, F, flow=1e300)
+    flat = helfrich.smooth(V, F[1:], flow=1e-3)
+    assert flat.volume is None and (flat.vertices[F[0]] == V[F[0]]).all()

@@ -2,7 +2,7 @@
 
 use crate::columns::write_with_columns;
 use crate::terminal::{Failure, check_outputs, print};
-use crate::{distance, refuse_replacing};
+use crate::{MeshArguments, refuse_replacing};
 use helfrich_std::io::{Format, MeshFile, parse, read_soup, write_to};
 use helfrich_std::repair::{RepairSettings, Sheets, repair};
 use std::path::{Path, PathBuf};
@@ -10,18 +10,8 @@ use std::path::{Path, PathBuf};
 /// The arguments of the command.
 #[derive(clap::Args)]
 pub(crate) struct RepairArguments {
-    #[arg(help = format!("Mesh file: {}, also compressed as .gz", Format::readable()))]
-    mesh: PathBuf,
-    /// Merge vertices at exactly the same point, or at most a distance apart.
-    #[arg(
-        long,
-        value_name = "DISTANCE",
-        num_args = 0..=1,
-        require_equals = true,
-        default_missing_value = "0",
-        value_parser = distance
-    )]
-    weld: Option<f64>,
+    #[command(flatten)]
+    input: MeshArguments,
     /// Sheets to keep at edges with three or more triangles: `split` keeps all, `largest` the one with the largest
     /// area.
     #[arg(long, value_name = "SHEETS", default_value = "split")]
@@ -56,14 +46,12 @@ fn angle(text: &str) -> Result<f64, String> {
 
 /// Runs the command.
 pub(crate) fn repair_file(arguments: &RepairArguments) -> Result<(), Failure> {
-    let RepairArguments {
-        mesh: path, output, ..
-    } = arguments;
+    let (path, output) = (&arguments.input.mesh, &arguments.output);
     refuse_replacing(path, "the mesh", output, "the repaired mesh")?;
     check_outputs([output.as_path()])?;
     let (soup, columns) = read_soup(path).map_err(Failure::input)?;
     let settings = RepairSettings {
-        weld: arguments.weld,
+        weld: arguments.input.weld,
         sheets: arguments.sheets,
         fill: arguments.fill,
         slivers: arguments.slivers,

@@ -207,7 +207,7 @@ pub struct VolumeError {
 /// ((V0/V)^⅓ − 1)`, exact on spheres and Newton's `(V0 − V)/A` near V0, and the latter if V changes its sign.
 ///
 /// # Errors
-/// If a volume is not reached.
+/// If a volume is not reached, or was lost in the rounding of the positions.
 ///
 /// # Panics
 /// If there is not one position per vertex.
@@ -222,7 +222,7 @@ pub fn keep_volumes(
     let (components, _) = mesh.components();
     let mut gradient = vec![[0.0; 3]; positions.len()];
     let length = |[x, y, z]: [f64; 3]| x.hypot(y).hypot(z);
-    for _ in 0..=STEPS {
+    'steps: for _ in 0..=STEPS {
         let Ok(surface) = Surface::new(mesh, positions) else {
             // Positions were finite at the start: the steps have left the range.
             break;
@@ -237,18 +237,25 @@ pub fn keep_volumes(
             *area += length(gradient);
             *reach += length(gradient) * length(at);
         }
-        let of_component = volumes.iter().zip(&targets).zip(&sums);
-        let distances = of_component.map(|((&volume, &target), &[area, reach])| {
+        let mut distances = vec![0.0; targets.len()];
+        for (component, distance) in distances.iter_mut().enumerate() {
+            let (volume, target, [area, reach]) =
+                (volumes[component], targets[component], sums[component]);
             let off = target - volume;
-            if off.abs() <= ROUNDINGS * f64::EPSILON * (target.abs() + reach) {
-                0.0
-            } else if volume * target > 0.0 {
+            let rounding = ROUNDINGS * f64::EPSILON;
+            if off.abs() <= rounding * (target.abs() + reach) {
+                continue;
+            }
+            if volume.abs() * f64::EPSILON.sqrt() <= rounding * reach {
+                // Rounding has taken half of the digits of the shape.
+                break 'steps;
+            }
+            *distance = if volume * target > 0.0 {
                 3.0 * volume / area * ((target / volume).cbrt() - 1.0)
             } else {
                 off / area
-            }
-        });
-        let distances = Vec::from_iter(distances);
+            };
+        }
         if distances.iter().all(|&distance| distance == 0.0) {
             return Ok(());
         }

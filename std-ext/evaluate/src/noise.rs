@@ -45,7 +45,7 @@ pub enum NotQuieted {
     /// Fits do not reduce it around half of the vertices: see [`Smoothing::of_measured`].
     #[error(
         "the positions have noise of {:.1e} ({:.1e} mean edges), which no fits reduce around half of the vertices or \
-         more: it is as small as the errors of the fits, or the mesh does not resolve the shape", .0.length, .0.edges
+         more: it is as small as the errors of the fits, or the mesh does not resolve the shape, as at creases", .0.length, .0.edges
     )]
     Unresolved(Noise<f64>),
     /// A component would lose its volume.

@@ -6,7 +6,7 @@ use crate::dynamics::cotangents::{self, Cotangents};
 use helfrich::{Noise, Smoothing, Surface, VertexKind};
 use helfrich_evaluate::execute::look_for_interruption;
 use helfrich_evaluate::held::{VolumeError, keep_volumes};
-use helfrich_evaluate::noise::{NotQuieted, Quieted, noise_of};
+use helfrich_evaluate::noise::{NotQuieted, Quieted, noise_seen};
 
 /// A way to smooth.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,7 +24,7 @@ pub enum Smoother {
 pub struct Smoothed {
     /// The new positions. Each closed component encloses its original volume: see [`keep_volumes`].
     pub positions: Vec<[f64; 3]>,
-    /// The noise of the original positions.
+    /// The noise of the original positions: see [`noise_seen`].
     pub noise: Noise<f64>,
     /// The fits onto which vertices were moved, [`Quieted::TIMES`] times; `None` if they were moved by flow or not at
     /// all.
@@ -76,30 +76,28 @@ pub fn smooth(
     smoother: Smoother,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Smoothed, SmoothingError> {
+    let noise = noise_seen(surface);
     let (mut unmoved, mut fits) = (None, None);
-    let mut keep = |quieted: Quieted| {
+    let mut positions = surface.positions().to_vec();
+    let mut take = |quieted: Quieted| {
         fits = Some(quieted.smoothing);
-        (quieted.noise, quieted.positions)
+        quieted.positions
     };
-    let mut leave = |reason, noise| {
-        unmoved = Some(reason);
-        Ok((noise, surface.positions().to_vec()))
-    };
-    let (noise, positions) = match smoother {
+    match smoother {
         Smoother::Noise => match Quieted::new(surface, watch) {
-            Ok(quieted) => Ok(keep(quieted)),
-            Err(reason @ NotQuieted::NoNoise) => leave(reason, Noise::default()),
-            Err(reason @ NotQuieted::Unresolved(noise)) => leave(reason, noise),
-            Err(NotQuieted::Volume(error)) => Err(SmoothingError::Volume(error)),
-            Err(NotQuieted::Interrupted) => Err(SmoothingError::Interrupted),
+            Ok(quieted) => positions = take(quieted),
+            Err(NotQuieted::Volume(error)) => return Err(error.into()),
+            Err(NotQuieted::Interrupted) => return Err(SmoothingError::Interrupted),
+            // Fits around every vertex see noise between creases, which a sample of vertices does not.
+            Err(_) if noise.is_seen() => unmoved = Some(NotQuieted::Unresolved(noise)),
+            Err(reason) => unmoved = Some(reason),
         },
-        Smoother::Scale(scale) => Ok(keep(Quieted::at_scale(surface, noise_of(surface), scale)?)),
+        Smoother::Scale(scale) => positions = take(Quieted::at_scale(surface, noise, scale)?),
         Smoother::Flow(time) => {
-            let mut positions = implicit_step(surface, time)?;
+            positions = implicit_step(surface, time)?;
             keep_volumes(surface, &mut positions)?;
-            Ok((noise_of(surface), positions))
         }
-    }?;
+    }
     let after = Surface::new(surface.mesh(), &positions);
     let [mut squares, mut largest, mut count] = [0.0_f64; 3];
     for (vertex, (from, to)) in surface.positions().iter().zip(&positions).enumerate() {
@@ -152,32 +150,52 @@ pub fn implicit_step(
         *entry *= time;
     }
     let diagonal = cotangents::diagonal(mesh, &areas, &edges, [1.0, 1.0]);
-    // The displacements u: (M + t S) u = −t S x₀, of which the right side consists of differences.
-    let mut moves = vec![[0.0; 3]; mesh.vertex_count()];
     let is_free = |vertex: u32| mesh.vertex_kind(vertex as usize) == VertexKind::Interior;
-    for (&[from, to], entry) in mesh.edges().iter().zip(&mut edges) {
-        let pull = surface.difference(from, to).map(|length| -*entry * length);
-        for axis in 0..3 {
-            moves[from as usize][axis] += pull[axis];
-            moves[to as usize][axis] -= pull[axis];
-        }
-        // Fixed vertices, whose u is 0, are not coupled to the others.
-        if !(is_free(from) && is_free(to)) {
-            *entry = 0.0;
-        }
+    // Relative to the centroid of each component, which stays where it is if the component is closed: what is left of a
+    // component after a long time is small, and would be lost in the rounding of displacements.
+    let (components, count) = mesh.components();
+    let mut sums = vec![[0.0; 4]; count];
+    for ((&component, &[x, y, z]), &area) in components.iter().zip(surface.positions()).zip(&areas)
+    {
+        let sum = &mut sums[component as usize];
+        *sum = std::array::from_fn(|k| sum[k] + area * [x, y, z, 1.0][k]);
     }
-    for (vertex, pull) in (0..).zip(&mut moves) {
-        if !is_free(vertex) {
-            *pull = [0.0; 3];
+    let centroids = sums
+        .iter()
+        .map(|[x, y, z, area]| [x, y, z].map(|sum| sum / area));
+    let centroids = Vec::from_iter(centroids);
+    let centroid = |vertex: usize| centroids[components[vertex] as usize];
+    let relative = |vertex: usize| {
+        let (at, centroid) = (surface.positions()[vertex], centroid(vertex));
+        [0, 1, 2].map(|axis| at[axis] - centroid[axis])
+    };
+    let of_area = |(vertex, area): (usize, &f64)| relative(vertex).map(|x| area * x);
+    let mut moved = Vec::from_iter(areas.iter().enumerate().map(of_area));
+    for (ends, entry) in mesh.edges().iter().zip(&mut edges) {
+        // Fixed vertices are known: their terms belong to the right side.
+        if ends.iter().all(|&end| is_free(end)) {
+            continue;
         }
+        for [end, other] in [*ends, [ends[1], ends[0]]] {
+            let known = relative(other as usize);
+            let right = &mut moved[end as usize];
+            *right = std::array::from_fn(|axis| right[axis] - *entry * known[axis]);
+        }
+        *entry = 0.0;
     }
     look_for_interruption();
     let pattern = Pattern::new(mesh);
     look_for_interruption();
     let too_long = SmoothingError::TooLong { time, area: total };
     let mut factor = Factor::new(&pattern, &diagonal, &edges).ok_or(too_long)?;
-    factor.solve(&pattern, moves.as_flattened_mut(), 3);
-    let both = surface.positions().iter().zip(&moves);
-    let moved = both.map(|(at, u)| [0, 1, 2].map(|axis| at[axis] + u[axis]));
-    Ok(moved.collect())
+    factor.solve(&pattern, moved.as_flattened_mut(), 3);
+    for (vertex, at) in moved.iter_mut().enumerate() {
+        if is_free(vertex as u32) {
+            let centroid = centroid(vertex);
+            *at = std::array::from_fn(|axis| centroid[axis] + at[axis]);
+        } else {
+            *at = surface.positions()[vertex];
+        }
+    }
+    Ok(moved)
 }

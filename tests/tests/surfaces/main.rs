@@ -16,5 +16,6 @@ mod rows;
 mod shapes;
 mod smooth_fields;
 mod smooth_surface;
+mod smoothing;
 mod subdivision;
 mod surface;

@@ -8,10 +8,10 @@ use helfrich::{
 use helfrich_std::generate::random::Random;
 use helfrich_std::generate::{Family, GeneratedMesh, generate};
 use helfrich_std::method::{BendingMethod, Evaluator};
-use helfrich_std::noise::{Quieted, measured, noise_of, smoothed};
+use helfrich_std::noise::{NotQuieted, Quieted, measured, noise_of, smoothed};
 use helfrich_tests::star::Star;
 
-fn mesh(shape: &str, family: Family, vertices: usize) -> Option<GeneratedMesh> {
+pub(crate) fn mesh(shape: &str, family: Family, vertices: usize) -> Option<GeneratedMesh> {
     let shape = shape.parse().expect("a shape");
     generate(&shape, family, vertices, 1).ok()
 }
@@ -21,7 +21,7 @@ fn noise(mesh: &TriangleMesh, positions: &[[f64; 3]]) -> Noise<f64> {
     noise_of(surface)
 }
 
-fn mean_edge(made: &GeneratedMesh) -> f64 {
+pub(crate) fn mean_edge(made: &GeneratedMesh) -> f64 {
     let surface = Surface::new(&made.mesh, &made.positions).expect("positions");
     let edges = made.mesh.edges().iter();
     let lengths = edges.map(|&[from, to]| {
@@ -32,7 +32,7 @@ fn mean_edge(made: &GeneratedMesh) -> f64 {
 }
 
 /// Positions with an error of this standard deviation in each coordinate: the sum of twelve uniform numbers.
-fn disturbed(positions: &[[f64; 3]], deviation: f64) -> Vec<[f64; 3]> {
+pub(crate) fn disturbed(positions: &[[f64; 3]], deviation: f64) -> Vec<[f64; 3]> {
     let mut random = Random::new(5);
     let mut error = || (0..12).map(|_| random.unit()).sum::<f64>() - 6.0;
     let moved = positions.iter().map(|x| x.map(|x| x + deviation * error()));
@@ -354,7 +354,12 @@ fn exact_and_unresolved_meshes_are_left_as_they_are() {
     ] {
         let made = mesh(shape, family, vertices).expect("a mesh");
         let surface = Surface::new(&made.mesh, &made.positions).expect("positions");
-        assert_eq!(Quieted::new(surface), None, "{shape}, {family}, {vertices}");
+        let quieted = Quieted::new(surface, &mut |_| true);
+        assert_eq!(
+            quieted,
+            Err(NotQuieted::NoNoise),
+            "{shape}, {family}, {vertices}"
+        );
         let measured = measured(&AdaptiveJet::default(), surface, &mut |_| true).expect("a result");
         let smoothing = Smoothing::of_measured(&measured);
         assert_eq!(smoothing, None, "{shape}, {family}, {vertices}");

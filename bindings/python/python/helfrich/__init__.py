@@ -38,7 +38,7 @@ from ._meshes import (
 )
 from ._operators import gradient, laplacian
 from ._scenes import Run, run
-from ._surfaces import Remeshed, Surface, SurfacePoints, remesh, surface
+from ._surfaces import Remeshed, Smoothed, Surface, SurfacePoints, remesh, smooth, surface
 
 __all__ = [
     "METHODS",
@@ -57,6 +57,7 @@ __all__ = [
     "Repaired",
     "Report",
     "Run",
+    "Smoothed",
     "Surface",
     "SurfacePoints",
     "__version__",
@@ -79,6 +80,7 @@ __all__ = [
     "split",
     "subdivide",
     "remesh",
+    "smooth",
     "surface",
     "weld",
     "write",

@@ -101,6 +101,14 @@ def remesh(
     smooth: bool,
     fields: List[Tuple[str, List[float]]],
 ) -> Tuple[_Mesh, Tuple[np.ndarray, np.ndarray], np.ndarray, Dict[str, np.ndarray]]: ...
+def smooth(
+    positions: Any,
+    faces: Any,
+    *,
+    scale: Optional[int],
+    flow: Optional[float],
+    threads: Optional[int],
+) -> Tuple[Dict[str, Any], Optional[str]]: ...
 class SmoothSurface:
     def __init__(self, positions: Any, faces: Any, method: str) -> None: ...
     def at(self, faces: List[int], weights: Any) -> Dict[str, np.ndarray]: ...

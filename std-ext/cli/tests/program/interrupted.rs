@@ -30,6 +30,7 @@ fn a_request_to_stop_is_obeyed_within_a_second() {
     let noisy = disturbed(&made.positions, 1e-4);
     let file = Fixture::new("large.off", off(&noisy, made.mesh.triangles()));
     let csv = file.beside("large.csv");
+    let smooth = file.beside("smooth.off");
     for arguments in [
         &["curvature", file.path(), "--csv", text(&csv)][..],
         &[
@@ -42,6 +43,7 @@ fn a_request_to_stop_is_obeyed_within_a_second() {
             "--errors",
         ],
         &["recommend", file.path(), "--json", text(&csv)],
+        &["smooth", file.path(), "-o", text(&smooth)],
     ] {
         let child = command(arguments)
             .args(["--threads", "2"])

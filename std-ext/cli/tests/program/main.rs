@@ -28,6 +28,7 @@ mod repair;
 mod resume;
 mod run;
 mod scenes;
+mod smooth;
 mod streams;
 mod study;
 mod sweep;
