@@ -142,16 +142,16 @@ def test_positions_without_noise_keep_their_bits():
 
 
 def test_strengths_of_smoothing_are_chosen():
-    V, F, _ = helfrich.shape("discocyte", 642)
-    scales = [helfrich.smooth(V, F, scale=scale) for scale in (64, 256)]
+    V, F, _ = helfrich.shape("ellipsoid:1,0.8,0.5", 2562, family="irregular")
+    scales = [helfrich.smooth(V, F, scale=scale) for scale in (32, 128)]
     flows = [helfrich.smooth(V, F, flow=time) for time in (1e-4, 1e-2)]
     for weak, strong in (scales, flows):
         assert strong.displacement > 4 * weak.displacement > 0
         assert strong.volume[1] == pytest.approx(strong.volume[0], rel=1e-12)
-    assert [found.scale for found in scales] == [64, 256] and flows[0].degree == 0
+    assert [found.scale for found in scales] == [32, 128] and flows[0].degree == 0
     with pytest.raises(ValueError, match="scale and flow are given together"):
         helfrich.smooth(V, F, scale=64, flow=1.0)
-    with pytest.raises(ValueError, match="choose a time far below this area"):
+    with pytest.raises(ValueError, match="choose a time far below this area|smooth less"):
         helfrich.smooth(V, F, flow=1e300)
     flat = helfrich.smooth(V, F[1:], flow=1e-3)
     assert flat.volume is None and (flat.vertices[F[0]] == V[F[0]]).all()

@@ -43,6 +43,9 @@ _helfrich() {
             helfrich,scenes)
                 cmd="helfrich__subcmd__scenes"
                 ;;
+            helfrich,smooth)
+                cmd="helfrich__subcmd__smooth"
+                ;;
             helfrich,study)
                 cmd="helfrich__subcmd__study"
                 ;;
@@ -79,6 +82,9 @@ _helfrich() {
             helfrich__subcmd__help,scenes)
                 cmd="helfrich__subcmd__help__subcmd__scenes"
                 ;;
+            helfrich__subcmd__help,smooth)
+                cmd="helfrich__subcmd__help__subcmd__smooth"
+                ;;
             helfrich__subcmd__help,study)
                 cmd="helfrich__subcmd__help__subcmd__study"
                 ;;
@@ -95,7 +101,7 @@ _helfrich() {
 
     case "${cmd}" in
         helfrich)
-            opts="-h -V --help --version study recommend curvature info remesh repair subdivide run sweep scenes explain help"
+            opts="-h -V --help --version study recommend curvature info remesh repair smooth subdivide run sweep scenes explain help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 1 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -197,7 +203,7 @@ _helfrich() {
             return 0
             ;;
         helfrich__subcmd__help)
-            opts="study recommend curvature info remesh repair subdivide run sweep scenes explain help"
+            opts="study recommend curvature info remesh repair smooth subdivide run sweep scenes explain help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -323,6 +329,20 @@ _helfrich() {
             return 0
             ;;
         helfrich__subcmd__help__subcmd__scenes)
+            opts=""
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 3 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        helfrich__subcmd__help__subcmd__smooth)
             opts=""
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 3 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
@@ -576,6 +596,44 @@ _helfrich() {
             fi
             case "${prev}" in
                 --out)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        helfrich__subcmd__smooth)
+            opts="-o -h --weld --scale --flow --output --threads --help"
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                --weld)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --scale)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --flow)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --output)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                -o)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --threads)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;

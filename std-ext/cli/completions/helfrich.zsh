@@ -116,7 +116,7 @@ _arguments "${_arguments_options[@]}" : \
 ;;
 (repair)
 _arguments "${_arguments_options[@]}" : \
-'--weld=[Merge vertices at exactly the same point, or at most a distance apart]::DISTANCE:_default' \
+'--weld=[Merge vertices at exactly the same point, or at most a distance apart. Files from renderers often have separate vertices for each face]::DISTANCE:_default' \
 '--sheets=[Sheets to keep at edges with three or more triangles\: \`split\` keeps all, \`largest\` the one with the largest area]:SHEETS:_default' \
 '--fill=[Fill holes with at most this number of edges. Borders that span more than half of the area of their component are outlines, and stay]:EDGES:_default' \
 '--slivers=[Remove triangles with an angle below this one, in degrees, by flips and collapses of edges]:DEGREES:_default' \
@@ -124,6 +124,19 @@ _arguments "${_arguments_options[@]}" : \
 '--output=[Output file; its ending determines the format\: .obj, .off, .stl, .ply, .vtp and .glb. Numbers at vertices and faces are kept in .vtp]:OUTPUT:_files' \
 '--outward[Turn closed components that are inside out, even if they are valid]' \
 '--drop-unused[Leave out vertices in no triangle of the file, too]' \
+'-h[Print help (see more with '\''--help'\'')]' \
+'--help[Print help (see more with '\''--help'\'')]' \
+':mesh -- Mesh file\: .obj, .off, .stl, .ply, .vtp, .vtu, .vtk, .glb, .gltf, .msh, .gii and .3mf, also compressed as .gz:_files' \
+&& ret=0
+;;
+(smooth)
+_arguments "${_arguments_options[@]}" : \
+'--weld=[Merge vertices at exactly the same point, or at most a distance apart. Files from renderers often have separate vertices for each face]::DISTANCE:_default' \
+'--scale=[Number of neighbours of the fits, 28 to 4096, whatever the noise is\: more of them smooth more. The fits have degree 4. By default number and degree are chosen from the noise]:NEIGHBOURS:_default' \
+'(--scale)--flow=[Smooth by one implicit step of mean-curvature flow instead, of this time\: a length squared, in the unit of the file. Waves of length L are multiplied by 1/(1 + 39.5 TIME/L²)]:TIME:_default' \
+'-o+[Output file; its ending determines the format\: .obj, .off, .stl, .ply, .vtp and .glb. Numbers at vertices and triangles are kept in .vtp]:OUTPUT:_files' \
+'--output=[Output file; its ending determines the format\: .obj, .off, .stl, .ply, .vtp and .glb. Numbers at vertices and triangles are kept in .vtp]:OUTPUT:_files' \
+'--threads=[Number of threads, from 1 to 1024; by default as many as the machine runs at once. Results do not depend on it]:N:_default' \
 '-h[Print help (see more with '\''--help'\'')]' \
 '--help[Print help (see more with '\''--help'\'')]' \
 ':mesh -- Mesh file\: .obj, .off, .stl, .ply, .vtp, .vtu, .vtk, .glb, .gltf, .msh, .gii and .3mf, also compressed as .gz:_files' \
@@ -219,6 +232,10 @@ _arguments "${_arguments_options[@]}" : \
 _arguments "${_arguments_options[@]}" : \
 && ret=0
 ;;
+(smooth)
+_arguments "${_arguments_options[@]}" : \
+&& ret=0
+;;
 (subdivide)
 _arguments "${_arguments_options[@]}" : \
 && ret=0
@@ -261,6 +278,7 @@ _helfrich_commands() {
 'info:Show counts, topology, area, volume and quality of a mesh file' \
 'remesh:Make a new mesh with even triangles of the smooth surface through the vertices of a mesh file' \
 'repair:Make a mesh of a file that others refuse, and say what was changed' \
+'smooth:Remove the noise of the positions of a mesh file, or smooth them by mean-curvature flow' \
 'subdivide:Refine a mesh file by Loop'\''s rules\: four triangles for each triangle and level' \
 'run:Run a scene\: surfaces, the effects that act on each, and a driver that moves them' \
 'sweep:Run a scene with every combination of given values, and compare the results' \
@@ -289,6 +307,7 @@ _helfrich__subcmd__help_commands() {
 'info:Show counts, topology, area, volume and quality of a mesh file' \
 'remesh:Make a new mesh with even triangles of the smooth surface through the vertices of a mesh file' \
 'repair:Make a mesh of a file that others refuse, and say what was changed' \
+'smooth:Remove the noise of the positions of a mesh file, or smooth them by mean-curvature flow' \
 'subdivide:Refine a mesh file by Loop'\''s rules\: four triangles for each triangle and level' \
 'run:Run a scene\: surfaces, the effects that act on each, and a driver that moves them' \
 'sweep:Run a scene with every combination of given values, and compare the results' \
@@ -343,6 +362,11 @@ _helfrich__subcmd__help__subcmd__scenes_commands() {
     local commands; commands=()
     _describe -t commands 'helfrich help scenes commands' commands "$@"
 }
+(( $+functions[_helfrich__subcmd__help__subcmd__smooth_commands] )) ||
+_helfrich__subcmd__help__subcmd__smooth_commands() {
+    local commands; commands=()
+    _describe -t commands 'helfrich help smooth commands' commands "$@"
+}
 (( $+functions[_helfrich__subcmd__help__subcmd__study_commands] )) ||
 _helfrich__subcmd__help__subcmd__study_commands() {
     local commands; commands=()
@@ -387,6 +411,11 @@ _helfrich__subcmd__run_commands() {
 _helfrich__subcmd__scenes_commands() {
     local commands; commands=()
     _describe -t commands 'helfrich scenes commands' commands "$@"
+}
+(( $+functions[_helfrich__subcmd__smooth_commands] )) ||
+_helfrich__subcmd__smooth_commands() {
+    local commands; commands=()
+    _describe -t commands 'helfrich smooth commands' commands "$@"
 }
 (( $+functions[_helfrich__subcmd__study_commands] )) ||
 _helfrich__subcmd__study_commands() {

@@ -237,10 +237,10 @@ fn volumes_are_kept_along_the_normals() {
     for factor in [1e-5, 0.5, 0.999, 1.001, 100.0] {
         let mut scaled = Points::from_iter(made.positions.iter().map(|x| x.map(|x| factor * x)));
         keep_volumes(before, &mut scaled).expect("a volume");
-        // Normals of triangles around a vertex are off those of the sphere by half an edge, 0.07, at most.
+        // Normals of triangles around a vertex are off those of the sphere by less than an edge of 0.14.
         for (from, to) in made.positions.iter().zip(&scaled) {
             let off = norm([0, 1, 2].map(|axis| to[axis] - from[axis]));
-            assert!(off < 0.07 * (1.0 - factor).abs(), "{factor}: {off}");
+            assert!(off < 0.14 * (1.0 - factor).abs(), "{factor}: {off}");
         }
     }
     // Nothing gives the volume of a flat surface back.
@@ -368,15 +368,14 @@ fn meshes_without_noise_keep_their_bits() {
     assert_eq!((found.fits, found.displacements), (None, [0.0; 2]));
 }
 
-/// A mesh that does not resolve its shape: the waves are half as long as the narrowest fits are wide.
+/// Noise of a fifth of an edge is found on a tube that is six edges around, but no fit is wide enough to average it.
 #[test]
-fn shapes_that_are_not_resolved_are_left_alone() {
+fn noise_that_no_fit_reduces_stays() {
     let made = mesh("torus:1,0.2", Family::Irregular, 642).expect("a mesh");
-    for part in [0.01, 0.03, 0.1, 0.2] {
-        let noisy = disturbed(&made.positions, part * mean_edge(&made));
-        let found = smoothed(&made.mesh, &noisy, Smoother::Noise);
-        println!("{part} {:?} {:?}", found.unmoved, found.fits);
-    }
+    let noisy = disturbed(&made.positions, 0.2 * mean_edge(&made));
+    let found = smoothed(&made.mesh, &noisy, Smoother::Noise);
+    assert_eq!(found.unmoved, Some(NotQuieted::Unresolved(found.noise)));
+    assert!(found.noise.is_seen() && found.positions == noisy);
 }
 
 #[test]
