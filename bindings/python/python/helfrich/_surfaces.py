@@ -318,7 +318,7 @@ def smooth(
     >>> noisy = V + 2e-3 * np.random.default_rng(1).standard_normal(V.shape)
     >>> found = helfrich.smooth(noisy, F)
     >>> off = [abs(np.linalg.norm(x, axis=1) - 1).mean() for x in (noisy, found.vertices)]
-    >>> off[1] < off[0] / 2, abs(found.volume[1] / found.volume[0] - 1) < 1e-12
+    >>> bool(off[1] < off[0] / 2), abs(found.volume[1] / found.volume[0] - 1) < 1e-12
     (True, True)
     """
     V, F = both(V, F)
