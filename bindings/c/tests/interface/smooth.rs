@@ -242,15 +242,7 @@ fn wrong_places_and_requests_are_refused() {
     let rough = rough.map(|(k, at)| at.map(|x| x * (1.0 + 0.02 * (7.3 * k as f64).sin())));
     let rough = Vec::from_iter(rough);
     let noisy = outcome(|error| unsafe {
-        hf_remesh(
-            mesh.0,
-            rough.as_ptr(),
-            count,
-            &EVEN,
-            0,
-            place,
-            error,
-        )
+        hf_remesh(mesh.0, rough.as_ptr(), count, &EVEN, 0, place, error)
     });
     fails(noisy, Status::Undefined, "`smooth` removes it");
 }
