@@ -75,14 +75,22 @@ impl<T: Real> SmoothSurface<T> {
     ) -> Option<Remeshed<T>> {
         let ground = InputSurface::new(self.surface(), self.lines(), settings.sizes);
         let mut state = Remesher::new(ground);
+        let number = |count: usize| T::constant(count as f64);
+        let expected = state.equilateral_count();
         let most = settings.rounds + LAST;
         let mut go_on = |round: usize| go_on(round as f64 / most as f64);
         for round in 0..settings.rounds {
             if !go_on(round) {
                 return None;
             }
-            if let Some(wanted) = settings.vertices {
-                state.scale_to(wanted);
+            let [vertices, triangles] =
+                [state.vertex_count(), state.edited.triangle_count()].map(number);
+            match settings.vertices.map(number) {
+                // There are twice as many triangles as vertices, before anything has come of a factor.
+                Some(wanted) if round == 0 => state.scale(expected / number(2), wanted),
+                Some(wanted) => state.scale(vertices, wanted),
+                None if round == 0 => {}
+                None => state.scale(triangles, expected),
             }
             let changed = state.split_long() + state.collapse_short();
             state.flip_to_valence();

@@ -111,6 +111,11 @@ typedef struct hf_mesh hf_mesh;
 typedef struct hf_method hf_method;
 
 /*
+ The smooth surface through the vertices of a mesh. It never changes, and several threads may use it.
+ */
+typedef struct hf_surface hf_surface;
+
+/*
  The error of a call, owned by the caller. A call that succeeds sets it to HF_STATUS_OK and an empty text.
  */
 typedef struct {
@@ -323,6 +328,114 @@ typedef struct {
    */
   uint32_t *flags;
 } hf_fields_f32;
+
+/*
+ Arrays of the caller for points of a smooth surface: `count` entries each, or NULL where a result is not wanted.
+ Curvatures that are not known are 0, with an infinite error.
+ */
+typedef struct {
+  /*
+   Position, a length.
+   */
+  double (*position)[3];
+  /*
+   Error bar of the position along the normal if the vertices are exact, a length; 0 at vertices.
+   */
+  double *position_error;
+  /*
+   Outward unit normal.
+   */
+  double (*normal)[3];
+  /*
+   Mean curvature H, 1/length, positive on a sphere.
+   */
+  double *mean;
+  /*
+   Estimated error of H.
+   */
+  double *mean_error;
+  /*
+   Gaussian curvature K, 1/length².
+   */
+  double *gaussian;
+  /*
+   Estimated error of K.
+   */
+  double *gaussian_error;
+  /*
+   Principal curvatures k1 ≥ k2, 1/length.
+   */
+  double (*principal)[2];
+  /*
+   Unit vector along k1; 0 at umbilics.
+   */
+  double (*direction)[3];
+} hf_surface_points;
+
+/*
+ Arrays of the caller for points of a smooth surface: `count` entries each, or NULL where a result is not wanted.
+ Curvatures that are not known are 0, with an infinite error.
+ */
+typedef struct {
+  /*
+   Position, a length.
+   */
+  float (*position)[3];
+  /*
+   Error bar of the position along the normal if the vertices are exact, a length; 0 at vertices.
+   */
+  float *position_error;
+  /*
+   Outward unit normal.
+   */
+  float (*normal)[3];
+  /*
+   Mean curvature H, 1/length, positive on a sphere.
+   */
+  float *mean;
+  /*
+   Estimated error of H.
+   */
+  float *mean_error;
+  /*
+   Gaussian curvature K, 1/length².
+   */
+  float *gaussian;
+  /*
+   Estimated error of K.
+   */
+  float *gaussian_error;
+  /*
+   Principal curvatures k1 ≥ k2, 1/length.
+   */
+  float (*principal)[2];
+  /*
+   Unit vector along k1; 0 at umbilics.
+   */
+  float (*direction)[3];
+} hf_surface_points_f32;
+
+/*
+ A new mesh that is asked for.
+ */
+typedef struct {
+  /*
+   The number of vertices, at least 4; 0 for those of the old mesh, or for as many as `edge` asks for.
+   */
+  size_t vertices;
+  /*
+   The length of the edges; 0 for that which the number of vertices asks for.
+   */
+  double edge;
+  /*
+   The angle in degrees, above 0, by which triangles differ at an edge that is kept as a crease: 60 suits most.
+   */
+  double creases;
+  /*
+   Whether noise of the positions is removed first, unless it is 0.
+   */
+  uint32_t smooth;
+} hf_remeshing;
 
 #ifdef __cplusplus
 extern "C" {
@@ -707,9 +820,10 @@ hf_status hf_mesh_triangles(const hf_mesh *mesh,
                             hf_error *error);
 
 /*
- Sets `positions`, `count` rows of three, to the positions in the mesh's file, in its unit of length.
+ Sets `positions`, `count` rows of three, to the positions in the mesh's file, in its unit of length, or to those
+ of a mesh that hf_remesh made.
 
- Fails with HF_STATUS_UNDEFINED for meshes that are not from a file.
+ Fails with HF_STATUS_UNDEFINED for meshes of triangles alone.
  */
 hf_status hf_mesh_positions(const hf_mesh *mesh,
                             double (*positions)[3],
@@ -935,6 +1049,145 @@ hf_status hf_gradient_f32(const hf_mesh *mesh,
                           float (*gradient)[3],
                           size_t triangle_count,
                           hf_error *error);
+
+/*
+ Fits the smooth surface through the vertices of a mesh, by polynomials of this degree, 4, 6, 8, or 0 for that
+ which suits the mesh, on up to `threads` threads, 0 for all.
+
+ `positions` has `count` rows of three, which are taken as exact. On success `*surface` is a new surface, which
+ hf_surface_free frees. Positions have errors of order degree + 1 in the edge length, H and K of order degree − 1.
+ */
+hf_status hf_surface_new(const hf_mesh *mesh,
+                         const double (*positions)[3],
+                         size_t count,
+                         uint32_t degree,
+                         size_t threads,
+                         hf_surface **surface,
+                         hf_error *error);
+
+/*
+ Twin of hf_surface_new in f32.
+ */
+hf_status hf_surface_new_f32(const hf_mesh *mesh,
+                             const float (*positions)[3],
+                             size_t count,
+                             uint32_t degree,
+                             size_t threads,
+                             hf_surface **surface,
+                             hf_error *error);
+
+/*
+ Frees a surface; NULL is ignored.
+ */
+void hf_surface_free(hf_surface *surface);
+
+/*
+ Points of a smooth surface over places of its mesh, on up to `threads` threads, 0 for all.
+
+ `faces` has `count` numbers of triangles, `weights` `count` rows with the weights of their corners, at least 0
+ with the sum 1. Sets the arrays of `results`.
+ */
+hf_status hf_surface_at(const hf_surface *surface,
+                        const uint32_t *faces,
+                        const double (*weights)[3],
+                        size_t count,
+                        size_t threads,
+                        const hf_surface_points *results,
+                        hf_error *error);
+
+/*
+ Twin of hf_surface_at in f32.
+ */
+hf_status hf_surface_at_f32(const hf_surface *surface,
+                            const uint32_t *faces,
+                            const float (*weights)[3],
+                            size_t count,
+                            size_t threads,
+                            const hf_surface_points_f32 *results,
+                            hf_error *error);
+
+/*
+ The places of the mesh over which a smooth surface is nearest to points, `count` rows of three, on up to
+ `threads` threads, 0 for all: sets `faces`, `count` triangles, and `weights`, `count` rows with the weights of
+ their corners.
+ */
+hf_status hf_surface_project(const hf_surface *surface,
+                             const double (*points)[3],
+                             size_t count,
+                             size_t threads,
+                             uint32_t *faces,
+                             double (*weights)[3],
+                             hf_error *error);
+
+/*
+ Twin of hf_surface_project in f32.
+ */
+hf_status hf_surface_project_f32(const hf_surface *surface,
+                                 const float (*points)[3],
+                                 size_t count,
+                                 size_t threads,
+                                 uint32_t *faces,
+                                 float (*weights)[3],
+                                 hf_error *error);
+
+/*
+ The values of a field at places of the mesh, as smooth as the surface, on up to `threads` threads, 0 for all.
+
+ `field` has `vertex_count` numbers, one for each vertex; `faces` and `weights` are as for hf_surface_at. Sets
+ `values`, and the error bars `errors` unless it is NULL: infinite where values are interpolated linearly for want
+ of a fit.
+ */
+hf_status hf_surface_interpolate(const hf_surface *surface,
+                                 const double *field,
+                                 size_t vertex_count,
+                                 const uint32_t *faces,
+                                 const double (*weights)[3],
+                                 size_t count,
+                                 size_t threads,
+                                 double *values,
+                                 double *errors,
+                                 hf_error *error);
+
+/*
+ Twin of hf_surface_interpolate in f32.
+ */
+hf_status hf_surface_interpolate_f32(const hf_surface *surface,
+                                     const float *field,
+                                     size_t vertex_count,
+                                     const uint32_t *faces,
+                                     const float (*weights)[3],
+                                     size_t count,
+                                     size_t threads,
+                                     float *values,
+                                     float *errors,
+                                     hf_error *error);
+
+/*
+ Makes a mesh with even triangles of the smooth surface through the vertices, on up to `threads` threads, 0 for
+ all. Borders and creases keep their curves.
+
+ `positions` has `count` rows of three. On success `*made` is a new mesh, which hf_mesh_free frees, and
+ hf_mesh_positions has its positions. Places of its vertices on the old mesh, where fields can be interpolated, are
+ found by hf_surface_project. Fails with HF_STATUS_UNDEFINED if positions are noisy, or triangles would cross.
+ */
+hf_status hf_remesh(const hf_mesh *mesh,
+                    const double (*positions)[3],
+                    size_t count,
+                    const hf_remeshing *remeshing,
+                    size_t threads,
+                    hf_mesh **made,
+                    hf_error *error);
+
+/*
+ Twin of hf_remesh in f32.
+ */
+hf_status hf_remesh_f32(const hf_mesh *mesh,
+                        const float (*positions)[3],
+                        size_t count,
+                        const hf_remeshing *remeshing,
+                        size_t threads,
+                        hf_mesh **made,
+                        hf_error *error);
 
 /*
  The meaning of a status in a few words. The text is static; for numbers without meaning it is "unknown

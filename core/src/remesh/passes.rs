@@ -73,7 +73,7 @@ pub(super) struct Remesher<'a, T> {
     /// What is there.
     samples: Vec<Sample<T>>,
     /// The factor of all sizes.
-    pub(super) factor: T,
+    factor: T,
 }
 
 impl<'a, T: Real> Remesher<'a, T> {
@@ -182,24 +182,21 @@ impl<'a, T: Real> Remesher<'a, T> {
         edges
     }
 
-    /// Scales the wanted lengths so that triangles of their size would have this number of vertices.
-    pub(super) fn scale_to(&mut self, vertices: usize) {
-        // After the first time, by what came of the last factor.
-        let now = if self.factor == T::one() {
-            let area = |half_edge: u32| {
-                let corners = self.edited.corners(half_edge);
-                let size: T = corners.map(|corner| self.size(corner)).into_iter().sum();
-                norm(self.area_vector(corners))
-                    * T::constant(9.0 / 2.0)
-                    * (size * size).reciprocal_or_zero()
-            };
-            // An equilateral triangle has the area √3/4, and half a vertex.
-            let triangles: T = self.edited.triangles().map(area).sum();
-            T::constant(2.0 / 3.0_f64.sqrt()) * triangles
-        } else {
-            T::constant(self.vertex_count() as f64)
+    /// The number of equilateral triangles with edges of the wanted lengths: one of length l has the area √3/4 l².
+    pub(super) fn equilateral_count(&self) -> T {
+        let count = |half_edge: u32| {
+            let corners = self.edited.corners(half_edge);
+            let size: T = corners.map(|corner| self.size(corner)).into_iter().sum();
+            let twice = norm(self.area_vector(corners));
+            twice * T::constant(9.0) * (size * size).reciprocal_or_zero()
         };
-        self.factor *= (now / T::constant(vertices as f64)).sqrt();
+        let counts: T = self.edited.triangles().map(count).sum();
+        counts * T::constant(2.0 / 3.0_f64.sqrt())
+    }
+
+    /// Scales the wanted lengths: `now` is a number of triangles or vertices that came of the last factor.
+    pub(super) fn scale(&mut self, now: T, wanted: T) {
+        self.factor *= (now / wanted).sqrt();
     }
 
     /// Splits the longest or collapses the shortest edges until there are this many vertices, or none can be collapsed.

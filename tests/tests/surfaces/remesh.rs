@@ -198,7 +198,8 @@ fn creases_stay_sharp() {
     }
 }
 
-/// Lengths of edges follow the sizes at the vertices of the input.
+/// Lengths of edges follow the sizes at the vertices of the input, and have them in the mean: without regard to the number of
+/// triangles, edges are a tenth too short.
 #[test]
 fn edges_have_the_wanted_lengths() {
     let sphere = meshes::icosphere(4);
@@ -220,7 +221,7 @@ fn edges_have_the_wanted_lengths() {
     });
     let ratios = Vec::from_iter(ratios);
     let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
-    assert!((mean - 1.0).abs() < 0.1, "{mean}");
+    assert!((mean - 1.0).abs() < 0.03, "{mean}");
     let within = ratios
         .iter()
         .filter(|&ratio| (0.6..1.5).contains(ratio))

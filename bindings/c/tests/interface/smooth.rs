@@ -135,8 +135,8 @@ fn new_meshes_have_the_vertices_or_edges_that_are_asked_for() {
             },
             500..501,
         ),
-        // 4 edges of 0.2 have the area of an ellipsoid of 7.6 and 220 vertices.
-        (Remeshing { edge: 0.2, ..EVEN }, 180..260),
+        // Equilateral triangles of this edge on an area of 8.0: 230 vertices.
+        (Remeshing { edge: 0.2, ..EVEN }, 215..250),
     ] {
         let (triangles, places) = contents(&remeshed(&handle, &positions, remeshing));
         assert!(expected.contains(&places.len()), "{}", places.len());
@@ -238,8 +238,12 @@ fn wrong_places_and_requests_are_refused() {
     let place = &raw mut made;
     let missing = outcome(|error| unsafe { hf_remesh(mesh.0, at, count, null(), 0, place, error) });
     fails(missing, Status::NullPointer, "`remeshing` is NULL");
-    let rough = positions.iter().enumerate();
-    let rough = rough.map(|(k, at)| at.map(|x| x * (1.0 + 0.02 * (7.3 * k as f64).sin())));
+    let (mesh, positions) = ellipsoid(642);
+    let (mesh, count) = (mesh_of(&mesh), positions.len());
+    let rough = positions.iter().enumerate().map(|(k, at)| {
+        let part = (12.9898 * k as f64).sin() * 43_758.547 % 1.0;
+        at.map(|x| x * (1.0 + 0.01 * part))
+    });
     let rough = Vec::from_iter(rough);
     let noisy = outcome(|error| unsafe {
         hf_remesh(mesh.0, rough.as_ptr(), count, &EVEN, 0, place, error)
