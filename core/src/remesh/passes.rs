@@ -70,7 +70,7 @@ pub(super) struct Remesher<'a, T> {
     pub(super) places: Vec<MeshPoint<T>>,
     /// Where they are on its lines.
     spots: Vec<Spot<T>>,
-    /// What is there.
+    /// The input at these places.
     samples: Vec<Sample<T>>,
     /// The factor of all sizes.
     factor: T,

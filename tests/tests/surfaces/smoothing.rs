@@ -249,7 +249,7 @@ fn volumes_are_kept_along_the_normals() {
     assert!((error.target - before.volume().expect("closed")).abs() < 1e-12 * error.target);
 }
 
-/// What is left of a sphere after a long time is small, but not lost: it is a sphere as before, also far from the origin, as
+/// The rest of a sphere after a long time is small, but not lost: it is a sphere as before, also far from the origin, as
 /// far as positions are not rounded there. Beyond that the volume cannot be kept.
 #[test]
 fn long_times_keep_the_shape_or_are_refused() {

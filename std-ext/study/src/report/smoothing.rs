@@ -1,4 +1,4 @@
-//! What was smoothed, and how far.
+//! The report of a smoothing.
 
 use super::{NO_VOLUME, noise_property, property};
 use crate::noise::Quieted;
