@@ -162,7 +162,7 @@ fn wrong_places_and_requests_are_refused() {
 
     let mut value = 0.0;
     let place = &raw mut value;
-    let mut interpolate = |field: &[f64], face: u32, weights: [f64; 3]| {
+    let interpolate = |field: &[f64], face: u32, weights: [f64; 3]| {
         let (from, vertices) = (field.as_ptr(), field.len());
         let (of, at) = (&raw const face, &raw const weights);
         outcome(|error| unsafe {
