@@ -62,7 +62,7 @@ impl SmoothSurface {
         field: Vec<f64>,
         faces: Vec<usize>,
         weights: &Bound<'py, PyAny>,
-    ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>)> {
+    ) -> PyResult<Bars<'py>> {
         let places = self.places(faces, weights)?;
         let count = self.0.surface().positions().len();
         if field.len() != count {
@@ -147,6 +147,9 @@ impl SmoothSurface {
         Ok(places.collect())
     }
 }
+
+/// Values, and their error bars.
+type Bars<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
 
 /// Edge lengths of a new mesh.
 #[derive(FromPyObject)]
