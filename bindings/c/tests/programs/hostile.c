@@ -83,6 +83,18 @@ static void *positions(int narrow) {
     return place;
 }
 
+/* Weights of corners, most of them with the sum 1. */
+static void *weights(int narrow) {
+    void *place = rows(N, 3, narrow);
+    for (int k = 0; place != NULL && place != shared && k < 3 * N; k++) {
+        const double value = any(60) == 0 ? number() : k % 3 == 1 ? 0.5 : 0.25;
+        const float single = (float)value;
+        if (narrow) memcpy((char *)place + k * sizeof single, &single, sizeof single);
+        else memcpy((char *)place + k * sizeof value, &value, sizeof value);
+    }
+    return place;
+}
+
 static size_t count(size_t right) {
     static const size_t WRONG[] = {0, 1, (size_t)-1, (size_t)-1 / 8, (size_t)1 << 40};
     switch (any(12)) {
@@ -173,6 +185,8 @@ static void call(hf_mesh *mesh, hf_membrane **membranes, hf_method *method) {
     const size_t constraints = hf_membrane_constraint_count(membrane);
     hf_membrane *list[3] = {membranes[0], membranes[any(2)], any(10) ? membranes[0] : NULL};
     const size_t several = any(3);
+    /* As many points as are asked for: no count is wrong, unless it is beyond the arrays. */
+    const size_t few = any(N + 1);
     const size_t room = any(200);
     char *words = any(20) ? block(room + 1) : NULL;
     uint32_t *places = memory(N * sizeof *places);
@@ -230,12 +244,12 @@ static void call(hf_mesh *mesh, hf_membrane **membranes, hf_method *method) {
     case 39: count_outcome(hf_viscous_force(of, x, positions(0), count(n), 1.0, any(4) ? 0.5 : number(), rows(N, 3, 0), any(2) ? NULL : rows(1, 1, 0), report())); break;
     case 40: count_outcome(hf_repulsion(any(20) ? meshes : NULL, several, x, rows(2 * N, 3, 0), any(4) ? several * n : any(3) * n / 2, 1.0, any(4) ? 1.0 : number(), (void *)periods, rows(1, 1, 0), any(4), report())); break;
     case 41: count_outcome(hf_repulsion_f32(any(20) ? meshes : NULL, several, x, rows(2 * N, 3, 1), any(4) ? several * n : any(3) * n / 2, any(4) ? 1.0f : (float)number(), 1.0f, any(2) ? NULL : (void *)periods_f32, any(2) ? NULL : rows(1, 1, 1), any(4), report())); break;
-    case 45: count_outcome(hf_surface_at_f32(smooth, places, rows(N, 3, 1), count(n), any(3), points(1), report())); break;
-    case 46: count_outcome(hf_surface_at(smooth, places, rows(N, 3, 0), count(n), any(3), points(0), report())); break;
-    case 47: count_outcome(hf_surface_project_f32(smooth, rows(N, 3, 1), count(n), any(3), places, rows(N, 3, 1), report())); break;
-    case 48: count_outcome(hf_surface_project(smooth, rows(N, 3, 0), count(n), any(3), places, rows(N, 3, 0), report())); break;
-    case 49: count_outcome(hf_surface_interpolate_f32(smooth, rows(N, 1, 1), count(n), places, rows(N, 3, 1), count(n), any(3), rows(N, 1, 1), NULL, report())); break;
-    case 50: count_outcome(hf_surface_interpolate(smooth, rows(N, 1, 0), count(n), places, rows(N, 3, 0), count(n), any(3), rows(N, 1, 0), rows(N, 1, 0), report())); break;
+    case 45: count_outcome(hf_surface_at_f32(smooth, places, weights(1), few, any(3), points(1), report())); break;
+    case 46: count_outcome(hf_surface_at(smooth, places, weights(0), few, any(3), points(0), report())); break;
+    case 47: count_outcome(hf_surface_project_f32(smooth, rows(N, 3, 1), few, any(3), places, rows(N, 3, 1), report())); break;
+    case 48: count_outcome(hf_surface_project(smooth, rows(N, 3, 0), few, any(3), places, rows(N, 3, 0), report())); break;
+    case 49: count_outcome(hf_surface_interpolate_f32(smooth, rows(N, 1, 1), count(n), places, weights(1), few, any(3), rows(N, 1, 1), NULL, report())); break;
+    case 50: count_outcome(hf_surface_interpolate(smooth, rows(N, 1, 0), count(n), places, weights(0), few, any(3), rows(N, 1, 0), rows(N, 1, 0), report())); break;
     case 51: case 52: hf_mesh_free(remeshed(of, x, narrow)); break;
     default:
         if (strlen(hf_status_text((int)any(100) - 50)) == 0 || strlen(hf_version()) == 0) exit(1);
