@@ -71,8 +71,8 @@ def test_places_that_are_none_are_refused(faces, weights, text):
 
 
 def test_fields_between_vertices_have_the_order_of_positions():
-    V, F, _ = h.shape("torus:1,0.4", 2562, family="irregular")
-    smooth = h.surface(V, F)
+    V, F, _ = helfrich.shape("torus:1,0.4", 2562, family="irregular")
+    smooth = helfrich.surface(V, F)
     faces, weights = np.arange(len(F)), np.full((len(F), 3), 1 / 3)
     values, errors = smooth.interpolate(np.sin(2 * V[:, 0]), faces, weights)
     off = np.abs(values - np.sin(2 * smooth.at(faces, weights).position[:, 0]))
