@@ -25,6 +25,7 @@ use crate::method::Workspace;
 use crate::real::{Real, finite_or_zero};
 use crate::sparse_matrix::SparseMatrix;
 use crate::surface::Surface;
+use alloc::vec;
 use alloc::vec::Vec;
 
 /// A discrete Laplace–Beltrami operator: pointwise values, 1/length² times the field's unit.
@@ -247,8 +248,11 @@ impl<T: Real> Rows<T> {
         self.offsets.extend((0..=rows).map(|row| row * capacity));
         self.lengths.clear();
         self.lengths.resize(rows, 0);
-        self.columns.resize(rows * capacity, 0);
-        self.coefficients.resize(rows * capacity, T::zero());
+        if self.columns.len() != rows * capacity {
+            // From the system, which has zeros at no cost where none of them is ever used.
+            self.columns = vec![0; rows * capacity];
+            self.coefficients = vec![T::zero(); rows * capacity];
+        }
         let columns = Strided::new(&mut self.columns, capacity);
         let coefficients = Strided::new(&mut self.coefficients, capacity);
         (&mut self.lengths, (columns, coefficients))

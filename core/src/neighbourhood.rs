@@ -189,44 +189,54 @@ impl Surroundings {
         let count = mesh.vertex_count();
         let mut offsets = Vec::with_capacity(count + 1);
         let mut first_rings = Vec::with_capacity(count);
-        let mut vertices: Vec<u32> = Vec::new();
+        // Those up to `end` are reached, others are room.
+        let (mut vertices, mut end): (Vec<u32>, usize) = (Vec::new(), 0);
         let mut longest = 0;
         // The search in which each vertex was reached last, counted from 1.
         let mut reached = vec![0_u32; count];
         offsets.push(0);
         for centre in 0..count {
             let search = centre as u32 + 1;
-            let start = vertices.len();
+            let start = end;
             let enough = enough(centre);
             reached[centre] = search;
             let mut reach_around = |vertices: &mut Vec<u32>, vertex: usize| {
-                for &neighbour in mesh.one_ring(vertex) {
-                    if reached[neighbour as usize] != search {
-                        reached[neighbour as usize] = search;
-                        vertices.push(neighbour);
-                    }
+                let ring = mesh.one_ring(vertex);
+                if vertices.len() < end + ring.len() {
+                    vertices.resize((end + ring.len()) * 5 / 4, 0);
                 }
+                // Without branches, whose outcomes are random and could not be predicted.
+                let (room, mut count) = (&mut vertices[end..][..ring.len()], 0);
+                for &neighbour in ring {
+                    let reached = &mut reached[neighbour as usize];
+                    room[count] = neighbour;
+                    count += usize::from(*reached != search);
+                    *reached = search;
+                }
+                end += count;
+                end
             };
-            reach_around(&mut vertices, centre);
+            let mut reached_to = reach_around(&mut vertices, centre);
             let (mut rings, mut done) = (1, start);
-            let mut first = [0, vertices.len() - start];
+            let mut first = [0, reached_to - start];
             // What was reached is its own queue: what lies from `done` on is the newest ring.
-            while done < vertices.len() && (rings < 2 || vertices.len() - start < enough) {
-                let ring = done..vertices.len();
+            while done < reached_to && (rings < 2 || reached_to - start < enough) {
+                let ring = done..reached_to;
                 done = ring.end;
                 for at in ring {
                     let vertex = vertices[at] as usize;
-                    reach_around(&mut vertices, vertex);
+                    reached_to = reach_around(&mut vertices, vertex);
                 }
                 rings += 1;
                 if rings <= 2 || first[1] < enough / 2 {
-                    first = [done - start, vertices.len() - start];
+                    first = [done - start, reached_to - start];
                 }
             }
             first_rings.push(first.map(|number| number as u32));
-            offsets.push(vertices.len());
-            longest = longest.max(vertices.len() - start);
+            offsets.push(reached_to);
+            longest = longest.max(reached_to - start);
         }
+        vertices.truncate(end);
         vertices.shrink_to_fit();
         Self {
             offsets,
