@@ -105,28 +105,59 @@ impl<T: Real> FaceTree<T> {
         }
         best
     }
-}
 
-impl<T: Real> FaceTree<T> {
-    /// Calls a function with every triangle whose box, or that of its leaf, meets a box.
-    pub(crate) fn meeting(&self, [low, high]: [Vec3<T>; 2], visit: &mut dyn FnMut(u32)) {
-        let mut pending = vec![0_u32];
-        while let Some(number) = pending.pop() {
-            let Some(node) = self.nodes.get(number as usize) else {
-                continue;
-            };
-            let meets = |axis: usize| node.low[axis] <= high[axis] && low[axis] <= node.high[axis];
-            if !(meets(0) && meets(1) && meets(2)) {
+    /// Calls a function with all pairs of triangles whose boxes meet, the lower number first, in any order.
+    pub(crate) fn meeting_pairs(&self, surface: Surface<'_, T>, visit: &mut impl FnMut([u32; 2])) {
+        let boxes = self.order.iter();
+        let boxes = boxes.map(|&triangle| bounds(surface, triangle as usize));
+        let boxes = Vec::from_iter(boxes);
+        let mut pending = Vec::from_iter((!self.nodes.is_empty()).then_some([0_u32; 2]));
+        while let Some(numbers) = pending.pop() {
+            let [one, other] = numbers.map(|number| &self.nodes[number as usize]);
+            if !meet([one.low, one.high], [other.low, other.high]) {
                 continue;
             }
-            if node.second == 0 {
-                let triangles = &self.order[node.start as usize..node.end as usize];
-                triangles.iter().for_each(|&triangle| visit(triangle));
-            } else {
-                pending.extend([node.second, number + 1]);
+            let children = |number: u32, node: &BoxNode<T>| match node.second {
+                0 => [number; 2],
+                second => [number + 1, second],
+            };
+            let [ones, others] = [children(numbers[0], one), children(numbers[1], other)];
+            match (one.second, other.second) {
+                (0, 0) => {
+                    for first in one.start..one.end {
+                        // Within a leaf each pair once.
+                        let start = if numbers[0] == numbers[1] {
+                            first + 1
+                        } else {
+                            other.start
+                        };
+                        for second in start..other.end {
+                            let [first, second] = [first, second].map(|place| place as usize);
+                            if meet(boxes[first], boxes[second]) {
+                                let [a, b] = [self.order[first], self.order[second]];
+                                visit([a.min(b), a.max(b)]);
+                            }
+                        }
+                    }
+                }
+                (0, _) => pending.extend(others.map(|child| [numbers[0], child])),
+                (_, 0) => pending.extend(ones.map(|child| [child, numbers[1]])),
+                _ => {
+                    pending.extend([0, 1].map(|k| [ones[k], others[k]]));
+                    pending.push([ones[0], others[1]]);
+                    if numbers[0] != numbers[1] {
+                        pending.push([ones[1], others[0]]);
+                    }
+                }
             }
         }
     }
+}
+
+/// Whether boxes have a common point.
+fn meet<T: Real>([low, high]: [Vec3<T>; 2], [other_low, other_high]: [Vec3<T>; 2]) -> bool {
+    let meet_along = |axis: usize| low[axis] <= other_high[axis] && other_low[axis] <= high[axis];
+    meet_along(0) && meet_along(1) && meet_along(2)
 }
 
 impl<T: Real> BoxNode<T> {

@@ -1,6 +1,6 @@
 //! Triangles of a surface that cross each other.
 
-use crate::face_tree::{FaceTree, bounds};
+use crate::face_tree::FaceTree;
 use crate::real::Real;
 use crate::surface::Surface;
 use crate::vec3::{Vec3, cross, dot, sub};
@@ -11,23 +11,18 @@ use alloc::vec::Vec;
 ///
 /// Signs of volumes decide, in the arithmetic of the scalar: a crossing of the size of its rounding may be missed.
 pub fn crossing_triangles<T: Real>(surface: Surface<'_, T>) -> Vec<[u32; 2]> {
-    let triangles = surface.mesh().triangles();
-    let tree = FaceTree::new(surface);
     let mut pairs = Vec::new();
-    for first in 0..triangles.len() {
-        let range = pairs.len();
-        tree.meeting(bounds(surface, first), &mut |second| {
-            if second as usize > first && cross_each_other(surface, first, second as usize) {
-                pairs.push([first as u32, second]);
-            }
-        });
-        pairs[range..].sort_unstable();
-    }
+    FaceTree::new(surface).meeting_pairs(surface, &mut |pair| {
+        if cross_each_other(surface, pair.map(|triangle| triangle as usize)) {
+            pairs.push(pair);
+        }
+    });
+    pairs.sort_unstable();
     pairs
 }
 
-fn cross_each_other<T: Real>(surface: Surface<'_, T>, first: usize, second: usize) -> bool {
-    let corners = [first, second].map(|triangle| surface.mesh().triangles()[triangle]);
+fn cross_each_other<T: Real>(surface: Surface<'_, T>, pair: [usize; 2]) -> bool {
+    let corners = pair.map(|triangle| surface.mesh().triangles()[triangle]);
     let shared = corners[0]
         .iter()
         .filter(|corner| corners[1].contains(corner));
