@@ -145,7 +145,12 @@ impl<T: Real> Noise<T> {
     /// If coordinates have few decimals, or only the digits of f32, and their residuals do not
     /// contradict it, the noise is at least that of this rounding.
     pub fn of(execution: &impl Execution, surface: Surface<'_, T>) -> Self {
-        let pools = pools(surface);
+        Self::around(execution, surface, CENTRES)
+    }
+
+    /// As [`Self::of`], around at most this many vertices instead of 128: for a quick judgement.
+    pub fn around(execution: &impl Execution, surface: Surface<'_, T>, centres: usize) -> Self {
+        let pools = pools(surface, centres);
         let mut fitted: Vec<u32> = pools.iter().flatten().copied().collect();
         fitted.sort_unstable();
         fitted.dedup();
@@ -164,7 +169,7 @@ impl<T: Real> Noise<T> {
     /// The noise of a surface whose spectra are known.
     fn of_spectra(surface: Surface<'_, T>, smooth: Smooth<'_, T>, spectra: &[Spectrum<T>]) -> Self {
         let of_vertex = |vertex: u32| spectra[vertex as usize];
-        Self::in_pools(surface, smooth, &pools(surface), of_vertex)
+        Self::in_pools(surface, smooth, &pools(surface, CENTRES), of_vertex)
     }
 
     fn in_pools(
@@ -233,11 +238,11 @@ impl<T: Real> Noise<T> {
     }
 }
 
-/// For each of at most [`CENTRES`] evenly numbered vertices, those whose fits are pooled: its breadth-first
+/// For each of at most so many evenly numbered vertices, those whose fits are pooled: its breadth-first
 /// neighbourhood, without vertices near a boundary.
-fn pools<T: Real>(surface: Surface<'_, T>) -> Vec<Vec<u32>> {
+fn pools<T: Real>(surface: Surface<'_, T>, centres: usize) -> Vec<Vec<u32>> {
     let count = surface.mesh().vertex_count();
-    let centres = (0..count).step_by(count.div_ceil(CENTRES).max(1));
+    let centres = (0..count).step_by(count.div_ceil(centres.max(1)).max(1));
     let rings = rings_from_border(surface.mesh());
     let mut neighbourhood = Neighbourhood::default();
     let pool = |centre: usize| {

@@ -165,6 +165,9 @@ pub const MOST_VERTICES: usize = 1 << 27;
 /// radius of curvature.
 const ROUGH: f64 = 1e-3;
 
+/// Number of vertices around which noise is sought before all that [`noise_of`] asks.
+const GLANCE: usize = 16;
+
 /// A new mesh of the smooth surface through the vertices, on all threads; `go_on` gets the part that is done, and ends the
 /// work by `false`. See [`SmoothSurface::remesh`].
 ///
@@ -185,8 +188,11 @@ pub fn remeshed(
             quiet => Some(quiet?),
         }
     } else {
-        let noise = noise_of(surface);
-        if noise.edges > ROUGH {
+        let is_rough = |noise: &Noise<f64>| noise.edges > ROUGH;
+        // Most surfaces are far from rough, which a glance shows.
+        let glance = Noise::around(&Parallel::new(), surface, GLANCE);
+        let noise = Some(glance).filter(is_rough).map(|_| noise_of(surface));
+        if let Some(noise) = noise.filter(is_rough) {
             return Err(RemeshError::Noise(noise));
         }
         None
