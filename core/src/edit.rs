@@ -205,13 +205,19 @@ impl EditableMesh {
     /// # Panics
     /// If there is no such vertex.
     pub fn neighbours(&self, vertex: u32) -> impl Iterator<Item = u32> {
-        let ends = self.around(vertex).flat_map(|half_edge| {
-            // The border edge that arrives.
+        let mut around = self.around(vertex);
+        // The start of the border edge that arrives.
+        let mut last = None;
+        core::iter::from_fn(move || {
+            let Some(half_edge) = around.next() else {
+                return last.take();
+            };
             let before = previous(half_edge);
-            let last = (self.opposite[before as usize] == NONE).then(|| self.tail(before));
-            [Some(self.head(half_edge)), last]
-        });
-        ends.flatten()
+            if self.opposite[before as usize] == NONE {
+                last = Some(self.tail(before));
+            }
+            Some(self.head(half_edge))
+        })
     }
 
     /// Number of neighbours of a vertex.

@@ -16,6 +16,12 @@ const LONG: f64 = 4.0 / 3.0;
 /// Edges shorter than this part are collapsed, source as above.
 const SHORT: f64 = 4.0 / 5.0;
 
+/// The part of the wanted length by which no vertex need move.
+const SETTLED: f64 = 0.01;
+
+/// Number of edges that are tried for each one to be collapsed; if these are not enough, as many times more.
+const TRIED: usize = 8;
+
 /// The cosine of the smallest angle of good triangles: 15°.
 const SLENDER: f64 = 0.966;
 
@@ -168,17 +174,22 @@ impl<'a, T: Real> Remesher<'a, T> {
         self.samples[vertex as usize] = self.ground.sample(place);
     }
 
-    /// Edges whose relative length is beyond a limit, the farthest first.
-    fn beyond(&self, limit: T, longer: bool) -> Vec<(T, u32)> {
+    /// Edges whose relative length is beyond a limit, the farthest first, at most so many.
+    fn beyond(&self, limit: T, longer: bool, most: usize) -> Vec<(T, u32)> {
         let edges = self.edited.edges();
         let edges = edges.map(|edge| (self.relative_length(edge), edge));
         let sign = if longer { -T::one() } else { T::one() };
         let edges = edges.filter(|(length, _)| sign * *length < sign * limit);
         let mut edges = Vec::from_iter(edges.map(|(length, edge)| (sign * length, edge)));
-        edges.sort_unstable_by(|(a, first), (b, second)| {
+        let order = |(a, first): &(T, u32), (b, second): &(T, u32)| {
             let order = a.partial_cmp(b).unwrap_or(core::cmp::Ordering::Equal);
             order.then(first.cmp(second))
-        });
+        };
+        if most < edges.len() {
+            edges.select_nth_unstable_by(most, order);
+            edges.truncate(most);
+        }
+        edges.sort_unstable_by(order);
         edges
     }
 
@@ -204,18 +215,24 @@ impl<'a, T: Real> Remesher<'a, T> {
         let now = self.vertex_count();
         if now < vertices {
             self.split(T::zero(), vertices - now);
-        } else {
-            self.collapse(T::infinity(), T::infinity(), now - vertices);
+            return;
+        }
+        // The shortest edges first; some cannot be collapsed.
+        let mut left = now - vertices;
+        let mut tried = left;
+        while left > 0 && tried < 2 * self.edited.triangle_count() {
+            tried = tried.saturating_mul(TRIED);
+            left -= self.collapse(T::infinity(), T::infinity(), [left, tried]);
         }
     }
 
     /// Splits edges that are longer than a limit, the longest first, each once, and returns their number.
     fn split(&mut self, limit: T, most: usize) -> usize {
-        let edges = self.beyond(limit, true);
+        let edges = self.beyond(limit, true, most);
         let ends = edges
             .iter()
             .map(|&(_, edge)| [self.edited.tail(edge), self.edited.head(edge)]);
-        let ends = Vec::from_iter(ends.take(most));
+        let ends = Vec::from_iter(ends);
         for &[tail, head] in &ends {
             // Splits before this one remove no other edge, but change numbers.
             let edge = self.edited.half_edge(tail, head);
@@ -232,7 +249,7 @@ impl<'a, T: Real> Remesher<'a, T> {
 
     /// Collapses edges that are too short, and returns their number.
     pub(super) fn collapse_short(&mut self) -> usize {
-        self.collapse(T::constant(SHORT), T::constant(LONG), usize::MAX)
+        self.collapse(T::constant(SHORT), T::constant(LONG), [usize::MAX; 2])
     }
 
     fn split_edge(&mut self, edge: u32) {
@@ -261,11 +278,11 @@ impl<'a, T: Real> Remesher<'a, T> {
         self.samples.push(self.ground.sample(place));
     }
 
-    /// Collapses edges that are shorter than a limit and make none longer than another, the shortest first, and returns
-    /// their number.
-    fn collapse(&mut self, limit: T, long: T, most: usize) -> usize {
+    /// Collapses edges that are shorter than a limit and make none longer than another, the shortest first, at most so
+    /// many of as many that are tried, and returns their number.
+    fn collapse(&mut self, limit: T, long: T, [most, tried]: [usize; 2]) -> usize {
         let mut count = 0;
-        for (_, edge) in self.beyond(limit, false) {
+        for (_, edge) in self.beyond(limit, false, tried) {
             if count == most {
                 break;
             }
@@ -402,6 +419,9 @@ impl<'a, T: Real> Remesher<'a, T> {
             total += weight;
         }
         let step = scale(total.reciprocal_or_zero(), sum);
+        if norm(step) < T::constant(SETTLED) * self.factor * self.size(vertex) {
+            return;
+        }
         let before = self.places[vertex as usize];
         // Along the surface: on a thin one, the mean is nearer to the other side.
         let normal = self.samples[vertex as usize].normal;
@@ -487,12 +507,15 @@ impl<'a, T: Real> Remesher<'a, T> {
         let [a, b, c] = corners.map(|corner| self.at(corner));
         let edges = [sub(b, a), sub(c, b), sub(a, c)];
         let lengths = edges.map(norm);
-        let at = |k: usize| {
-            let (one, other) = (k, (k + 2) % 3);
-            let over = (lengths[one] * lengths[other]).reciprocal_or_zero();
-            -dot(edges[one], edges[other]) * over
+        let [ab, bc, ca] = lengths;
+        // Opposite to the shortest edge.
+        let [one, other] = match (ab <= bc, bc <= ca, ca <= ab) {
+            (true, _, false) => [1, 2],
+            (false, true, _) => [2, 0],
+            _ => [0, 1],
         };
-        at(0).max(at(1)).max(at(2))
+        let over = (lengths[one] * lengths[other]).reciprocal_or_zero();
+        -dot(edges[one], edges[other]) * over
     }
 
     fn move_along(&mut self, vertex: u32, ends: [u32; 2]) {
