@@ -7,7 +7,7 @@ use crate::number::Number;
 use crate::status::{Failure, Outcome, Status};
 use helfrich::{Jet, MeshPoint, SmoothPoint, SmoothSurface as Smooth, VertexKind};
 use helfrich_std::execute::{Parallel, with_threads};
-use helfrich_std::remesh::{EdgeLengths, MeshRequest, RemeshError, remeshed};
+use helfrich_std::remesh::{EdgeLengths, MeshRequest, OfNoise, RemeshError, remeshed};
 
 /// The smooth surface through the vertices of a mesh. It never changes, and several threads may use it.
 #[derive(Debug)]
@@ -335,7 +335,7 @@ fn remesh<N: Number>(
         lengths: EdgeLengths::Uniform(length),
         vertices: wanted,
         creases: creases.to_radians(),
-        smooth: smooth != 0,
+        noise: OfNoise::removed_if(smooth != 0),
     };
     let found = with_threads(threads(thread_count), || {
         remeshed(surface, &request, &mut |_| true)

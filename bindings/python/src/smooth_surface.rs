@@ -7,7 +7,7 @@ use helfrich::{
     Jet, MeshPoint, SmoothPoint, SmoothSurface as Smooth, Surface, TriangleMesh, VertexKind,
 };
 use helfrich_std::execute::Parallel;
-use helfrich_std::remesh::{EdgeLengths, MeshRequest, RemeshError, carried, remeshed};
+use helfrich_std::remesh::{EdgeLengths, MeshRequest, OfNoise, RemeshError, carried, remeshed};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -218,7 +218,7 @@ pub(crate) fn remesh<'py>(
         lengths,
         vertices,
         creases: creases.to_radians(),
-        smooth,
+        noise: OfNoise::removed_if(smooth),
     };
     let made = on_threads(py, None, || {
         let mesh = TriangleMesh::new(count, triangles)?;

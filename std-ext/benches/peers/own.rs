@@ -13,7 +13,7 @@ use helfrich_std::generate::{AnyShape, Family, generate};
 use helfrich_std::io;
 use helfrich_std::measurement::Measurement;
 use helfrich_std::method::{BendingMethod, Evaluator, MethodOptions};
-use helfrich_std::remesh::{EdgeLengths, MeshRequest, remeshed};
+use helfrich_std::remesh::{EdgeLengths, MeshRequest, OfNoise, remeshed};
 use std::error::Error;
 use std::hint::black_box;
 use std::num::NonZeroUsize;
@@ -157,7 +157,7 @@ fn remesh(path: &Path, output: &Path) -> Result<(), Box<dyn Error>> {
         lengths: EdgeLengths::Uniform(1.0),
         vertices: Some(file.positions.len()),
         creases: 60_f64.to_radians(),
-        smooth: false,
+        noise: OfNoise::Refused,
     };
     let start = Instant::now();
     let new = with_threads(NonZeroUsize::MIN, || {

@@ -6,7 +6,7 @@ use crate::{MeshArguments, ThreadArguments, load_with_columns, positive, refuse_
 use helfrich::{Remeshed, SmoothSurface, Surface, TriangleMesh, VertexKind};
 use helfrich_std::io::{Column, ColumnPlace, Format};
 use helfrich_std::remesh::{
-    EdgeLengths, MeshRequest, NewMesh, RemeshError, carried, old_triangles, remeshed,
+    EdgeLengths, MeshRequest, NewMesh, OfNoise, RemeshError, carried, old_triangles, remeshed,
 };
 use std::path::PathBuf;
 
@@ -74,7 +74,7 @@ pub(crate) fn remesh_file(arguments: &RemeshArguments) -> Result<(), Failure> {
         lengths: lengths(arguments, &columns, surface)?,
         vertices: vertices(arguments, surface),
         creases: arguments.creases.to_radians(),
-        smooth: arguments.smooth,
+        noise: OfNoise::removed_if(arguments.smooth),
     };
     let mut bar = ProgressBar::default();
     let found = until_stopped(|| {

@@ -150,6 +150,12 @@ impl Effect {
         (self.evaluations, self.time)
     }
 
+    /// Adds the cost of the same effect on an earlier mesh.
+    pub fn continue_cost(&mut self, earlier: &Self) {
+        self.evaluations += earlier.evaluations;
+        self.time += earlier.time;
+    }
+
     /// See [`helfrich::Method::inspect`].
     pub fn inspect(&self, surface: Surface<'_, f64>, report: &mut dyn FnMut(Finding)) {
         self.prepared.inspect(surface, report);

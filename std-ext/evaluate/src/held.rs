@@ -215,9 +215,29 @@ pub fn keep_volumes(
     before: Surface<'_, f64>,
     positions: &mut [[f64; 3]],
 ) -> Result<(), VolumeError> {
-    let mesh = before.mesh();
-    let mut quantity = Quantity::new(AnyFunctional::Volume, mesh);
+    keep_volumes_on(before, before.mesh(), positions)
+}
+
+/// The same for positions on another mesh, whose components are as many, in the same order.
+///
+/// # Errors
+/// As [`keep_volumes`].
+///
+/// # Panics
+/// If there is not one position per vertex of the mesh, or the numbers of components differ.
+pub fn keep_volumes_on(
+    before: Surface<'_, f64>,
+    mesh: &TriangleMesh,
+    positions: &mut [[f64; 3]],
+) -> Result<(), VolumeError> {
+    let mut quantity = Quantity::new(AnyFunctional::Volume, before.mesh());
     let targets = quantity.values(before).to_vec();
+    let mut quantity = Quantity::new(AnyFunctional::Volume, mesh);
+    assert_eq!(
+        targets.len(),
+        quantity.values.len(),
+        "components of both meshes"
+    );
     let mut volumes = targets.clone();
     let (components, _) = mesh.components();
     let mut gradient = vec![[0.0; 3]; positions.len()];

@@ -1,8 +1,12 @@
 //! New meshes of smooth surfaces in f64, compiled once here for all other crates: edge lengths, creases, fields.
 
 use crate::execute::Parallel;
+use crate::held::VolumeError;
 use crate::noise::{NotQuieted, Quieted, noise_of};
-use helfrich::{MeshPoint, Noise, Remeshed, Remeshing, SmoothSurface, Surface, crossing_triangles};
+use helfrich::{
+    Curvature, MeshPoint, Noise, Remeshed, Remeshing, SmoothSurface, Surface, TriangleMesh,
+    crossing_triangles,
+};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -34,11 +38,7 @@ impl EdgeLengths {
             Self::Uniform(length) => return vec![*length; surface.positions().len()],
             Self::AtVertices(lengths) => lengths.clone(),
             Self::ByCurvature(angle) => within_range(surface, |vertex, _| {
-                let curvature = &smooth.vertices()[vertex];
-                let root = (curvature.mean.powi(2) - curvature.gaussian)
-                    .max(0.0)
-                    .sqrt();
-                angle / (curvature.mean.abs() + root)
+                angle / largest_curvature(&smooth.vertices()[vertex])
             }),
             Self::ByError(part) => {
                 let largest = smooth.vertices().iter().map(|vertex| vertex.mean.abs());
@@ -53,6 +53,12 @@ impl EdgeLengths {
         limit_growth(surface, &mut lengths, Self::GROWTH);
         lengths
     }
+}
+
+/// The largest magnitude of a principal curvature.
+fn largest_curvature(point: &Curvature<f64>) -> f64 {
+    let root = (point.mean.powi(2) - point.gaussian).max(0.0).sqrt();
+    point.mean.abs() + root
 }
 
 /// Lengths at the vertices, of the vertex and its mean edge length, within the range.
@@ -115,8 +121,30 @@ pub struct MeshRequest {
     pub vertices: Option<usize>,
     /// The angle between triangles, in radians, above which their edge is a crease.
     pub creases: f64,
-    /// Whether the noise of the positions is removed first.
-    pub smooth: bool,
+    /// What happens to noise of the positions.
+    pub noise: OfNoise,
+}
+
+/// What happens to noise of the positions of a surface that is to have a new mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OfNoise {
+    /// Noise that would be considerable bumps of the new mesh is an error.
+    Refused,
+    /// It is removed first.
+    Removed,
+    /// It is not sought, and is taken for part of the shape.
+    Kept,
+}
+
+impl OfNoise {
+    /// Removal, or refusal.
+    pub fn removed_if(removed: bool) -> Self {
+        if removed {
+            Self::Removed
+        } else {
+            Self::Refused
+        }
+    }
 }
 
 /// A new mesh, and the smooth surface on which its vertices are.
@@ -153,6 +181,9 @@ pub enum RemeshError {
          vertices or shorter edges"
     )]
     Crossings(usize),
+    /// A volume that a new mesh does not have.
+    #[error(transparent)]
+    Volume(#[from] VolumeError),
     /// The caller ended the work.
     #[error("interrupted")]
     Interrupted,
@@ -178,24 +209,26 @@ pub fn remeshed(
     request: &MeshRequest,
     go_on: &mut dyn FnMut(f64) -> bool,
 ) -> Result<NewMesh, RemeshError> {
-    let quiet = if request.smooth {
+    let quiet = match request.noise {
         // The fits take most of the time, before anything of the new mesh is done.
-        match Quieted::new(surface, &mut |_| go_on(0.0)) {
+        OfNoise::Removed => match Quieted::new(surface, &mut |_| go_on(0.0)) {
             Err(NotQuieted::Interrupted) => return Err(RemeshError::Interrupted),
             // Noise that is no considerable bump may stay.
             Err(NotQuieted::NoNoise) => None,
             Err(NotQuieted::Unresolved(noise)) if noise.edges <= ROUGH => None,
             quiet => Some(quiet?),
+        },
+        OfNoise::Refused => {
+            let is_rough = |noise: &Noise<f64>| noise.edges > ROUGH;
+            // Most surfaces are far from rough, which a glance shows.
+            let glance = Noise::around(&Parallel::new(), surface, GLANCE);
+            let noise = Some(glance).filter(is_rough).map(|_| noise_of(surface));
+            if let Some(noise) = noise.filter(is_rough) {
+                return Err(RemeshError::Noise(noise));
+            }
+            None
         }
-    } else {
-        let is_rough = |noise: &Noise<f64>| noise.edges > ROUGH;
-        // Most surfaces are far from rough, which a glance shows.
-        let glance = Noise::around(&Parallel::new(), surface, GLANCE);
-        let noise = Some(glance).filter(is_rough).map(|_| noise_of(surface));
-        if let Some(noise) = noise.filter(is_rough) {
-            return Err(RemeshError::Noise(noise));
-        }
-        None
+        OfNoise::Kept => None,
     };
     let mesh = surface.mesh();
     let surface = match &quiet {
@@ -250,6 +283,31 @@ pub fn old_triangles(made: &Remeshed<f64>) -> Vec<usize> {
     first
         .map(|corner| made.places[corner as usize].triangle)
         .collect()
+}
+
+/// Numbers the vertices of a new mesh so that its components come in the order of those of the old one; within a
+/// component the order stays.
+pub fn in_order_of_components(old: &TriangleMesh, made: &mut Remeshed<f64>) {
+    let (components, count) = old.components();
+    if count < 2 {
+        return;
+    }
+    let component =
+        |place: &MeshPoint<f64>| components[old.triangles()[place.triangle][0] as usize];
+    let mut order = Vec::from_iter(0..made.places.len());
+    order.sort_by_key(|&vertex| component(&made.places[vertex]));
+    let mut numbers = vec![0; order.len()];
+    for (number, &vertex) in order.iter().enumerate() {
+        numbers[vertex] = number as u32;
+    }
+    let triangles = made.mesh.triangles().iter();
+    let triangles = triangles.map(|corners| corners.map(|corner| numbers[corner as usize]));
+    // The same mesh in another order has no other errors.
+    if let Ok(mesh) = TriangleMesh::new(order.len(), triangles.collect()) {
+        made.mesh = mesh;
+        made.places = order.iter().map(|&vertex| made.places[vertex]).collect();
+        made.points = order.iter().map(|&vertex| made.points[vertex]).collect();
+    }
 }
 
 /// The values of fields at places of a surface, from those at its vertices: integers, which may be labels, from the
