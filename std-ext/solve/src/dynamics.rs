@@ -153,6 +153,15 @@ pub struct Settings {
     pub preconditioned: bool,
     /// Whether the vertices of fluid membranes are redistributed along the surface.
     pub redistribution: bool,
+    /// The residual from which on Newton steps are tried for forces without an energy. They lead to an equilibrium that
+    /// is near, and may lead far away from one that is not.
+    pub newton: f64,
+    /// Number of steps after which secants of forces without an energy, and the intervals between redistributions, begin
+    /// anew. Such forces have no symmetric stiffness, and many secants lead away from an equilibrium that is far.
+    pub restart: usize,
+    /// The sine of the smallest angle that triangles may have, and the part of the smallest sine at the start that they
+    /// may have where this is less.
+    pub least_sine: [f64; 2],
 }
 
 impl Default for Settings {
@@ -165,6 +174,10 @@ impl Default for Settings {
             memory: 12,
             preconditioned: true,
             redistribution: true,
+            newton: f64::INFINITY,
+            restart: usize::MAX,
+            // 3°.
+            least_sine: [0.052, 0.5],
         }
     }
 }

@@ -221,6 +221,23 @@ impl Relaxation {
         self.state.redistributions
     }
 
+    /// The relaxation continued on new meshes of its surfaces, with the numbers of steps and evaluations so far. All that
+    /// depends on the meshes begins again. A relaxation that had ended continues.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn on_new_meshes(
+        &self,
+        membranes: Vec<Membrane>,
+        positions: Vec<[f64; 3]>,
+    ) -> Result<Self, SetupError> {
+        let mut new = Self::new(membranes, positions, self.settings)?;
+        new.state.iteration = self.state.iteration;
+        new.state.evaluations = self.state.evaluations;
+        new.state.redistributions = self.state.redistributions;
+        Ok(new)
+    }
+
     /// Must be called after parameters or targets of the problem have changed between two steps: energies
     /// before and after cannot be compared. A relaxation that had ended continues.
     pub fn problem_changed(&mut self) {
@@ -272,6 +289,15 @@ impl Relaxation {
             let report = self.report(&here, 0.0, false);
             self.here = Some(here);
             return report;
+        }
+        let State { iteration, .. } = self.state;
+        if !problem.is_conservative()
+            && iteration > 0
+            && iteration.is_multiple_of(self.settings.restart)
+        {
+            self.state.secants.clear();
+            self.state.wait = *WAIT.start();
+            self.state.last_wait = *WAIT.start();
         }
         let here = match self.turn(problem, here) {
             Ok(here) => here,

@@ -41,8 +41,11 @@ impl Relaxation {
         if problem.is_conservative() || !self.settings.preconditioned {
             return false;
         }
-        let best = self.state.progress.map(|progress| progress.iteration);
-        let idle = best.map_or(0, |best| self.state.iteration - best);
+        let best = self.state.progress;
+        if best.is_some_and(|best| best.residual > self.settings.newton) {
+            return false;
+        }
+        let idle = best.map_or(0, |best| self.state.iteration - best.iteration);
         self.state.newton || IDLE.contains(&idle)
     }
 

@@ -6,10 +6,6 @@ use crate::dynamics::place::{Place, reciprocal_or_zero};
 use crate::dynamics::vector::{self, Vector};
 use crate::dynamics::{Evaluation, Problem};
 
-/// The sine of the angle, 3°, below which no triangle's angle may fall; on meshes with smaller
-/// initial angles, half of the smallest sine.
-const LEAST_SINE: f64 = 0.052;
-
 /// Area of the unit sphere.
 pub(super) const SPHERE: f64 = 4.0 * std::f64::consts::PI;
 
@@ -53,10 +49,8 @@ impl Relaxation {
             return Err((Failure::Inverted { membrane, triangle }, none));
         }
         let (sine, membrane, triangle) = coordinates.narrowest(membranes, places, &positions);
-        let least = *self
-            .state
-            .least_sine
-            .get_or_insert(LEAST_SINE.min(0.5 * sine));
+        let [least, part] = self.settings.least_sine;
+        let least = *self.state.least_sine.get_or_insert(least.min(part * sine));
         if sine < least {
             let degrees = sine.asin().to_degrees();
             let failure = Failure::Distorted {
