@@ -25,6 +25,7 @@ mod parameter;
 mod problem;
 mod read;
 mod reader;
+mod remesh;
 mod schema;
 mod shipped;
 mod source;
@@ -58,6 +59,7 @@ pub use overrides::{OverrideSyntaxError, Overrides};
 pub use parameter::Parameter;
 pub(crate) use parameter::Parameters;
 pub use problem::{Place, Problem, SceneError, SceneErrors};
+pub use remesh::Remesh;
 pub use schema::json_schema;
 #[doc(hidden)]
 pub use shipped::shipped_file;

@@ -12,7 +12,7 @@ mod explain;
 mod once;
 mod placed;
 
-pub use build::build;
+pub use build::{BodyMesh, build};
 #[doc(hidden)]
 pub use check::NARROW;
 pub use crossing::Crossing;
@@ -31,7 +31,7 @@ use crate::io::Column;
 use crate::ordered::Ordered;
 use crate::scene::{Named, SceneError, Stretch, Stretching};
 use helfrich::interaction::RepulsionMemory;
-use helfrich::{AnyFunctional, Finding, Images, Repulsion, Surface, TriangleMesh};
+use helfrich::{AnyFunctional, Finding, Images, Repulsion, Surface, Targets, TriangleMesh};
 use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
@@ -64,6 +64,10 @@ pub struct Body {
     /// The place of each of its constraints among those of the simulation.
     places: Vec<usize>,
     stretch: Option<Stretch>,
+    /// The targets of its held quantities, each with the name of its effect.
+    targets: Vec<(&'static str, Targets<f64>)>,
+    /// See [`BodyMesh::ratios`].
+    ratios: Vec<[f64; 2]>,
     columns: Vec<Arc<Column>>,
 }
 
@@ -186,6 +190,12 @@ impl Body {
     /// files.
     pub fn columns(&self) -> &[Arc<Column>] {
         &self.columns
+    }
+
+    /// Area and volume of each component, as they are held, over those of its flat triangles; empty where they are the
+    /// same.
+    pub fn ratios(&self) -> &[[f64; 2]] {
+        &self.ratios
     }
 
     /// The surface at these positions of all surfaces; none if one of them is not finite.

@@ -187,6 +187,11 @@ pub(crate) trait SurfaceEffect: fmt::Debug {
         Vec::new()
     }
 
+    /// [`Self::columns`], mutable.
+    fn columns_mut(&mut self) -> Vec<&mut Arc<Column>> {
+        Vec::new()
+    }
+
     /// The stress-free positions; `None` for effects without reference.
     fn reference(&self) -> Option<&Reference> {
         None
@@ -298,6 +303,20 @@ impl Effects {
             }
         }
         columns
+    }
+
+    /// The same effects with other numbers in these columns.
+    pub(crate) fn with_columns(&self, columns: &[Arc<Column>]) -> Self {
+        let mut effects = self.clone();
+        for column in effects.iter_mut().flat_map(SurfaceEffect::columns_mut) {
+            let mut others = columns.iter();
+            let other =
+                others.find(|other| (&other.name, other.place) == (&column.name, column.place));
+            if let Some(other) = other {
+                *column = Arc::clone(other);
+            }
+        }
+        effects
     }
 
     /// The moduli of all effects together.

@@ -119,6 +119,14 @@ impl Material {
         }
     }
 
+    /// [`Self::column`], mutable.
+    pub(super) fn column_mut(&mut self) -> Option<&mut Arc<Column>> {
+        match self {
+            Self::Number(_) => None,
+            Self::Column { column } => Some(column),
+        }
+    }
+
     /// The smallest of the numbers.
     pub fn least(&self) -> f64 {
         self.values().iter().copied().fold(f64::INFINITY, f64::min)

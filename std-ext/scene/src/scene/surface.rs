@@ -3,6 +3,7 @@
 use super::boundary::Boundary;
 use super::effects::Effects;
 use super::mesh_source::MeshSource;
+use super::remesh::Remesh;
 use crate::flow::AdhesiveWall;
 use crate::flow::lattice_boltzmann::limits::ImmersedMembrane;
 use crate::info::{MeshInfo, mean_edge};
@@ -28,6 +29,9 @@ pub struct SurfaceScene {
     /// Support of its edge, if it is open.
     #[serde(skip_serializing_if = "Boundary::is_free")]
     pub boundary: Boundary,
+    /// Edges of the new meshes that it gets when its triangles have become narrow; `None` if its mesh stays.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub remesh: Option<Remesh>,
     /// Viscosity ratio λ of the fluid inside to the fluid of the driver, which is outside of all
     /// surfaces. Only flow drivers use viscosities.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -49,6 +53,11 @@ impl SurfaceScene {
     pub fn slides(&self) -> bool {
         let alike = self.effects.columns().is_empty();
         self.is_fluid() && self.effects.stretching.is_none() && alike
+    }
+
+    /// Whether its vertices may be anywhere on the surface, so that it may have another mesh.
+    pub fn can_have_new_meshes(&self) -> bool {
+        self.is_fluid() && self.boundary.is_free()
     }
 
     /// Whether bending or surface tension limits explicit steps in a flow.

@@ -8,17 +8,19 @@ use crate::dynamics::{Held, Membrane, Motion};
 use crate::effect::Lumping;
 use crate::execute::Parallel;
 use crate::info::MeshInfo;
+use crate::io::Column;
 use crate::ordered::Ordered;
 use crate::scene::{
-    self, Driver, MeshFiles, MeshSource, Preparation, Reference, ReferenceSource, SceneError,
-    SceneFile, SurfaceScene, start_shape,
+    self, Driver, Effects, MeshFiles, MeshSource, Preparation, Reference, ReferenceSource, Scene,
+    SceneError, SceneFile, Stretch, SurfaceScene, start_shape,
 };
 use helfrich::interaction::RepulsionMemory;
 use helfrich::shapes::Shape;
 use helfrich::{
-    AnyFunctional, Constraint, ConstraintError, Constraints, Images, Repulsion, Surface,
+    AnyFunctional, Constraint, ConstraintError, Constraints, Images, Repulsion, Surface, Targets,
     TriangleMesh,
 };
+use std::ops::Range;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -183,7 +185,7 @@ impl Placed {
         context: &mut Context<'_>,
         index: usize,
         scene: &SurfaceScene,
-        vertices: std::ops::Range<usize>,
+        vertices: Range<usize>,
     ) -> Result<Body, BuildError> {
         let file = context.file;
         let surface =
@@ -194,119 +196,28 @@ impl Placed {
         let info = MeshInfo::new(surface);
         file.check_mesh(index, &info)?;
         context.warnings.extend(file.mesh_warnings(index, &info));
-        let mesh = Arc::new(self.mesh.clone());
-        let body = |context: &mut Context<'_>, ordered| {
-            let vertices = vertices.clone();
-            self.body_in(ordered, context, index, scene, &mesh, vertices)
+        let mut unstressed = |effect: &str, reference: &Reference| {
+            self.reference(file, context.files, index, effect, reference)
         };
-        match Ordered::of(&mesh) {
-            None => body(context, None),
-            // Messages name the vertices of the scene's mesh.
-            ordered => body(context, ordered).or_else(|_| body(context, None)),
+        Preparing {
+            scene,
+            driver: &file.scene.driver,
+            effects: &scene.effects,
+            mesh: &Arc::new(self.mesh.clone()),
+            positions: &self.positions,
+            targets: Vec::new(),
+            ratios: Vec::new(),
+            unstressed: &mut unstressed,
+            held: context.held,
         }
-    }
-
-    /// A body whose effects are evaluated in this order, or that of its mesh.
-    fn body_in(
-        &self,
-        ordered: Option<Ordered<f64>>,
-        context: &mut Context<'_>,
-        index: usize,
-        scene: &SurfaceScene,
-        mesh: &Arc<TriangleMesh>,
-        vertices: std::ops::Range<usize>,
-    ) -> Result<Body, BuildError> {
-        let order = ordered.as_ref().map(Ordered::order);
-        let in_order = |values: Vec<[f64; 3]>| match order {
-            Some(order) => order.apply(&values),
-            None => values,
-        };
-        let own = ordered.as_ref().map_or(mesh, Ordered::mesh);
-        let positions = in_order(self.positions.clone());
-        let surface = Surface::new(own, &positions).map_err(|source| BuildError::Positions {
-            surface: scene.name.clone(),
-            source,
-        })?;
-        let mut preparation = Preparation {
-            surface,
-            order,
-            position: scene.position,
-            lumping: match context.file.scene.driver {
-                Driver::Relax(_) => Lumping::Own,
-                Driver::BoundaryIntegral(_) | Driver::LatticeBoltzmann(_) => Lumping::Thirds,
-            },
-            geometry: scene.effects.geometry(&context.file.scene.driver),
-            siblings: &scene.effects,
-            unstressed: Vec::new(),
-            forces: Vec::new(),
-            constraints: Vec::new(),
-            viscosity: None,
-            stretch: None,
-        };
-        for (name, effect) in scene.effects.iter() {
-            if let Some(reference) = effect.reference() {
-                let unstressed = self.reference(context, index, name, reference)?;
-                preparation.unstressed = in_order(unstressed);
-            }
-            let prepared = effect.prepare(&mut preparation);
-            prepared.map_err(|source| BuildError::Effect {
-                surface: scene.name.clone(),
-                source,
-            })?;
-        }
-        let Preparation {
-            forces: effects,
-            constraints,
-            viscosity,
-            stretch,
-            ..
-        } = preparation;
-        let (names, constraints): (Vec<_>, Vec<_>) = constraints.into_iter().unzip();
-        let places = constraints.iter().map(|constraint: &Constraint<f64>| {
-            let quantity = constraint.functional;
-            let held = &mut *context.held;
-            let known = held.iter().position(|&held| held == quantity);
-            known.unwrap_or_else(|| {
-                held.push(quantity);
-                held.len() - 1
-            })
-        });
-        let places = places.collect();
-        let mut held = Held::new(Arc::clone(own), Constraints { constraints });
-        // Checked here, and not after a first row has been written.
-        if let Err(source) = held.restore(&mut positions.clone()) {
-            let relaxes = matches!(context.file.scene.driver, Driver::Relax(_));
-            let is_far = relaxes && matches!(source, ConstraintError::NotReached { .. });
-            if !(is_far && can_approach(&mut held, &positions)) {
-                return Err(BuildError::Constraints {
-                    surface: scene.name.clone(),
-                    constraints: names,
-                    start: start_shape(scene, 0.0).map(|shape| shape.to_string()),
-                    source,
-                });
-            }
-        }
-        Ok(Body {
-            name: scene.name.clone(),
-            membrane: membrane(mesh, scene),
-            acts: Acts {
-                effects,
-                viscosity,
-                held,
-            },
-            ordered,
-            places,
-            mesh: Arc::clone(mesh),
-            vertices,
-            stretch,
-            columns: scene.effects.columns().into_iter().cloned().collect(),
-        })
+        .body(vertices)
     }
 
     /// The positions of a reference.
     fn reference(
         &self,
-        context: &mut Context<'_>,
+        file: &SceneFile,
+        files: &mut MeshFiles,
         index: usize,
         effect: &str,
         reference: &Reference,
@@ -316,7 +227,7 @@ impl Placed {
             ReferenceSource::Shape(shape) => {
                 let preimages = self.preimages.iter().flatten();
                 let mut positions = Vec::from_iter(preimages.map(|&at| shape.position(at)));
-                let source = &context.file.scene.surfaces[index].source;
+                let source = &file.scene.surfaces[index].source;
                 if matches!(
                     source,
                     MeshSource::Shape {
@@ -329,12 +240,239 @@ impl Placed {
                 Ok(positions)
             }
             ReferenceSource::File(source) => {
-                let reference = context.files.read(source)?;
-                let file = context.file;
+                let reference = files.read(source)?;
                 file.check_reference(index, effect, &self.mesh, &reference.mesh)?;
                 Ok(reference.positions.clone())
             }
         }
+    }
+}
+
+/// Gives the positions of the reference of an effect, by its name.
+type Unstressed<'a> = dyn FnMut(&str, &Reference) -> Result<Vec<[f64; 3]>, BuildError> + 'a;
+
+/// A surface on a mesh, of which a body is prepared.
+struct Preparing<'a> {
+    scene: &'a SurfaceScene,
+    driver: &'a Driver,
+    /// The effects, with columns of this mesh.
+    effects: &'a Effects,
+    mesh: &'a Arc<TriangleMesh>,
+    positions: &'a [[f64; 3]],
+    /// Targets that are known from an earlier mesh.
+    targets: Vec<(&'static str, Targets<f64>)>,
+    /// See [`BodyMesh::ratios`].
+    ratios: Vec<[f64; 2]>,
+    /// The positions of the reference of an effect.
+    unstressed: &'a mut Unstressed<'a>,
+    held: &'a mut Vec<AnyFunctional>,
+}
+
+impl Preparing<'_> {
+    fn body(&mut self, vertices: Range<usize>) -> Result<Body, BuildError> {
+        // Components keep their order, in which targets and ratios are.
+        let is_one = self.ratios.len() < 2;
+        match Ordered::of(self.mesh).filter(|_| is_one) {
+            None => self.body_in(None, vertices),
+            // Messages name the vertices of the scene's mesh.
+            ordered => self
+                .body_in(ordered, vertices.clone())
+                .or_else(|_| self.body_in(None, vertices)),
+        }
+    }
+
+    /// A body whose effects are evaluated in this order, or that of its mesh.
+    fn body_in(
+        &mut self,
+        ordered: Option<Ordered<f64>>,
+        vertices: Range<usize>,
+    ) -> Result<Body, BuildError> {
+        let (scene, effects) = (self.scene, self.effects);
+        let order = ordered.as_ref().map(Ordered::order);
+        let in_order = |values: Vec<[f64; 3]>| match order {
+            Some(order) => order.apply(&values),
+            None => values,
+        };
+        let own = ordered.as_ref().map_or(self.mesh, Ordered::mesh);
+        let positions = in_order(self.positions.to_vec());
+        let surface = Surface::new(own, &positions).map_err(|source| BuildError::Positions {
+            surface: scene.name.clone(),
+            source,
+        })?;
+        let relaxes = matches!(self.driver, Driver::Relax(_));
+        let mut preparation = Preparation {
+            surface,
+            order,
+            position: scene.position,
+            lumping: if relaxes {
+                Lumping::Own
+            } else {
+                Lumping::Thirds
+            },
+            geometry: scene.effects.geometry(self.driver),
+            siblings: effects,
+            unstressed: Vec::new(),
+            forces: Vec::new(),
+            constraints: Vec::new(),
+            targets: self.targets.clone(),
+            ratios: &self.ratios,
+            viscosity: None,
+            stretch: None,
+        };
+        for (name, effect) in effects.iter() {
+            if let Some(reference) = effect.reference() {
+                preparation.unstressed = in_order((self.unstressed)(name, reference)?);
+            }
+            let prepared = effect.prepare(&mut preparation);
+            prepared.map_err(|source| BuildError::Effect {
+                surface: scene.name.clone(),
+                source,
+            })?;
+        }
+        let Preparation {
+            forces,
+            constraints,
+            targets,
+            viscosity,
+            stretch,
+            ..
+        } = preparation;
+        let (names, constraints): (Vec<_>, Vec<_>) = constraints.into_iter().unzip();
+        let places = constraints.iter().map(|constraint: &Constraint<f64>| {
+            let quantity = constraint.functional;
+            let known = self.held.iter().position(|&held| held == quantity);
+            known.unwrap_or_else(|| {
+                self.held.push(quantity);
+                self.held.len() - 1
+            })
+        });
+        let places = places.collect();
+        let mut held = Held::new(Arc::clone(own), Constraints { constraints });
+        // Checked here, and not after a first row has been written.
+        if let Err(source) = held.restore(&mut positions.clone()) {
+            let is_far = relaxes && matches!(source, ConstraintError::NotReached { .. });
+            if !(is_far && can_approach(&mut held, &positions)) {
+                return Err(BuildError::Constraints {
+                    surface: scene.name.clone(),
+                    constraints: names,
+                    start: start_shape(scene, 0.0).map(|shape| shape.to_string()),
+                    source,
+                });
+            }
+        }
+        Ok(Body {
+            name: scene.name.clone(),
+            membrane: membrane(self.mesh, scene),
+            acts: Acts {
+                effects: forces,
+                viscosity,
+                held,
+            },
+            ordered,
+            places,
+            mesh: Arc::clone(self.mesh),
+            vertices,
+            stretch,
+            targets,
+            ratios: self.ratios.clone(),
+            columns: effects.columns().into_iter().cloned().collect(),
+        })
+    }
+}
+
+/// A new mesh of one surface of a scene.
+#[derive(Clone, Debug)]
+pub struct BodyMesh {
+    /// The mesh.
+    pub mesh: TriangleMesh,
+    /// The positions of its vertices.
+    pub positions: Vec<[f64; 3]>,
+    /// The values of the columns of [`Body::columns`] on it, in their order.
+    pub columns: Vec<Vec<f64>>,
+    /// Area and volume of each component of the smooth surface through the vertices over those of the flat triangles:
+    /// exactly held areas and volumes are those of the smooth surface. Empty if they are those of the triangles.
+    pub ratios: Vec<[f64; 2]>,
+}
+
+impl Simulation {
+    /// Prepares the effects on one of the surfaces for a new mesh. The load and the costs of effects stay, and targets of
+    /// held quantities, unless they are to be found `anew`, from this mesh; the components have to be in the order of those
+    /// of the old mesh. Nothing has changed if this fails.
+    ///
+    /// # Errors
+    /// If an effect cannot be prepared for the mesh, or remembers positions of the material.
+    ///
+    /// # Panics
+    /// If there is no such surface, or the numbers of columns or of their values are wrong.
+    pub fn replace_mesh(
+        &mut self,
+        scene: &Scene,
+        index: usize,
+        new: BodyMesh,
+        anew: bool,
+    ) -> Result<(), BuildError> {
+        let BodyMesh {
+            mesh,
+            positions,
+            columns,
+            ratios,
+        } = new;
+        let old = &self.bodies[index];
+        let columns = old.columns.iter().zip(columns);
+        let columns = columns.map(|(column, values)| {
+            Arc::new(Column {
+                values,
+                ..Column::clone(column)
+            })
+        });
+        let scene_of = &scene.surfaces[index];
+        let effects = scene_of.effects.with_columns(&Vec::from_iter(columns));
+        let solid = |_: &str, _: &Reference| -> Result<Vec<[f64; 3]>, BuildError> {
+            // The reader of scenes refuses new meshes of solid surfaces.
+            Ok(positions.clone())
+        };
+        let first = old.vertices.start;
+        let vertices = first..first + positions.len();
+        let (mut held, mut unstressed) = (self.held.clone(), solid);
+        let mut body = Preparing {
+            scene: scene_of,
+            driver: &scene.driver,
+            effects: &effects,
+            mesh: &Arc::new(mesh),
+            positions: &positions,
+            targets: if anew {
+                Vec::new()
+            } else {
+                old.targets.clone()
+            },
+            ratios,
+            unstressed: &mut unstressed,
+            held: &mut held,
+        }
+        .body(vertices)?;
+        for (effect, old) in body.acts.effects.iter_mut().zip(&old.acts.effects) {
+            effect.continue_cost(old);
+        }
+        let load = old.stretch.as_ref().map(Stretch::current);
+        self.bodies[index] = body;
+        self.held = held;
+        let mut first = 0;
+        let (mut groups, mut group_count) = (Vec::new(), 0);
+        for body in &mut self.bodies {
+            body.vertices = first..first + body.mesh.vertex_count();
+            first = body.vertices.end;
+            let (components, count) = body.mesh.components();
+            groups.extend(components.into_iter().map(|group| group + group_count));
+            group_count += count as u32;
+        }
+        self.groups = groups;
+        for between in &mut self.between {
+            between.memory = RepulsionMemory::default();
+        }
+        if let Some(load) = load {
+            self.set_load(load);
+        }
+        Ok(())
     }
 }
 

@@ -198,6 +198,13 @@ fn explain_surface(surface: &SurfaceScene, mesh: &MeshInfo, scene: &Scene) -> Su
         Boundary::Hinged => format!("{source}, with a hinged edge"),
         Boundary::Clamped => format!("{source}, with a clamped edge"),
     };
+    let source = match surface.remesh {
+        Some(remesh) => format!(
+            "{source}, replaced when it is worn: {}",
+            remesh.words(&number)
+        ),
+        None => source,
+    };
     let on = surface.effects.iter().map(|(name, effect)| {
         let (choice, parameters) = effect.explain(&number);
         Active {

@@ -7,7 +7,6 @@ use super::{
     Builder, Check, Described, EffectError, Geometry, Groups, Hold, MeshCheck, MeshSource, Named,
     Parameter, Parameters, Preparation, Reader, Stiffness, SurfaceEffect,
 };
-use crate::held::Quantity;
 use helfrich::{AnyFunctional, Targets};
 use serde::Serialize;
 
@@ -41,9 +40,11 @@ impl HeldArea {
 
     /// The target areas of the components of the surface, or their areas at the start.
     pub(super) fn targets(preparation: &Preparation<'_>) -> Targets<f64> {
-        match preparation.siblings.area.map(|area| area.target) {
+        let own = preparation.siblings.area;
+        let is_exact = own.is_some_and(|area| area.hold.is_exact());
+        match own.map(|area| area.target) {
             Some(Target::Value(area)) => Targets::Same(area),
-            _ => Quantity::targets(preparation.geometry.area, preparation.surface),
+            _ => preparation.present(preparation.geometry.area, is_exact),
         }
     }
 }

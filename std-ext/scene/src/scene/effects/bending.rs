@@ -161,6 +161,12 @@ impl SurfaceEffect for Bending {
             .collect()
     }
 
+    fn columns_mut(&mut self) -> Vec<&mut Arc<Column>> {
+        let parameters = [&mut self.modulus, &mut self.spontaneous_curvature];
+        let columns = parameters.into_iter().filter_map(Material::column_mut);
+        columns.collect()
+    }
+
     fn stiffness(&self) -> Stiffness {
         Stiffness {
             bending: self.modulus.largest(),

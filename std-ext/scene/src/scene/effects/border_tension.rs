@@ -93,6 +93,11 @@ impl SurfaceEffect for BorderTension {
         self.domains.iter().filter_map(Material::column).collect()
     }
 
+    fn columns_mut(&mut self) -> Vec<&mut Arc<Column>> {
+        let domains = self.domains.iter_mut();
+        domains.filter_map(Material::column_mut).collect()
+    }
+
     fn explain(&self, number: &Parameters) -> (String, Vec<Parameter>) {
         let value = number.of("value", self.value, Dimension::FORCE);
         let mut labels = self.labels().to_vec();

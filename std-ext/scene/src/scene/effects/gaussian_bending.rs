@@ -76,6 +76,10 @@ impl SurfaceEffect for GaussianBending {
         self.modulus.column().into_iter().collect()
     }
 
+    fn columns_mut(&mut self) -> Vec<&mut Arc<Column>> {
+        self.modulus.column_mut().into_iter().collect()
+    }
+
     fn explain(&self, number: &Parameters) -> (String, Vec<Parameter>) {
         match &self.modulus {
             Material::Number(modulus) => {

@@ -129,7 +129,7 @@ impl MeshCheck<'_> {
 }
 
 impl Preparation<'_> {
-    /// Holds a quantity at targets.
+    /// Holds a quantity at targets, or at those that are known for it from an earlier mesh.
     pub(super) fn hold(
         &mut self,
         name: &'static str,
@@ -137,6 +137,18 @@ impl Preparation<'_> {
         quantity: AnyFunctional,
         targets: Targets<f64>,
     ) -> Result<(), EffectError> {
+        let mut known = self.targets.iter();
+        let targets = match known.find(|(known, _)| *known == name) {
+            Some((_, targets)) => targets.clone(),
+            None => {
+                self.targets.push((name, targets.clone()));
+                targets
+            }
+        };
+        let targets = match hold {
+            Hold::Exact => self.of_triangles(quantity, &targets),
+            Hold::Penalty(_) => targets,
+        };
         match MembranePart::keeping(name, quantity, hold.modulus(), targets, self.mesh())? {
             MembranePart::Held(constraint) => self.constraints.push((name, constraint)),
             MembranePart::Acting(effect) => self.forces.push(effect),

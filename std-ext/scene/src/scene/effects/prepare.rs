@@ -3,10 +3,11 @@
 use super::super::material::Material;
 use super::{Effects, Geometry, Stretch};
 use crate::effect::{CannotBend, CompiledPotential, Effect, Lumping, Viscosity};
+use crate::held::Quantity;
 use crate::io::ColumnPlace;
 use helfrich::{
-    Constraint, LoadError, MaterialParameter, ParameterError, ReferenceError, Reordering, Surface,
-    SurfaceError, TriangleMesh,
+    AnyFunctional, Constraint, LoadError, MaterialParameter, ParameterError, ReferenceError,
+    Reordering, Surface, SurfaceError, Targets, TriangleMesh,
 };
 
 /// The reason why an effect cannot be prepared for a mesh. The message is one line.
@@ -53,6 +54,12 @@ pub(crate) struct Preparation<'a> {
     pub(crate) forces: Vec<Effect>,
     /// Constraints, each with the name of its effect.
     pub(crate) constraints: Vec<(&'static str, Constraint<f64>)>,
+    /// The targets of held quantities, each with the name of its effect: those that were known before, or that have been
+    /// prepared so far.
+    pub(crate) targets: Vec<(&'static str, Targets<f64>)>,
+    /// Area and volume of each component over those of its flat triangles, where exactly held ones are those of the smooth
+    /// surface through the vertices; empty where they are those of the triangles.
+    pub(crate) ratios: &'a [[f64; 2]],
     /// The viscosity of the membrane.
     pub(crate) viscosity: Option<Viscosity>,
     /// The loads of a stretched surface.
@@ -63,6 +70,34 @@ impl Preparation<'_> {
     /// The mesh of the surface.
     pub(super) fn mesh(&self) -> &TriangleMesh {
         self.surface.mesh()
+    }
+
+    /// The present values of a quantity of the components as targets: of the smooth surface, if that is `measured`.
+    pub(super) fn present(&self, quantity: AnyFunctional, measured: bool) -> Targets<f64> {
+        let values = Quantity::targets(quantity, self.surface);
+        match self.ratio_of(quantity).filter(|_| measured) {
+            Some(which) => each(&values, self.ratios, |value, ratios| value * ratios[which]),
+            None => values,
+        }
+    }
+
+    /// The targets for flat triangles of targets for the smooth surface.
+    pub(super) fn of_triangles(
+        &self,
+        quantity: AnyFunctional,
+        targets: &Targets<f64>,
+    ) -> Targets<f64> {
+        match self.ratio_of(quantity) {
+            Some(which) => each(targets, self.ratios, |value, ratios| value / ratios[which]),
+            None => targets.clone(),
+        }
+    }
+
+    /// The place of a quantity in the ratios, if these are known and it has one.
+    fn ratio_of(&self, quantity: AnyFunctional) -> Option<usize> {
+        let places = [AnyFunctional::Area, AnyFunctional::Volume];
+        let place = places.iter().position(|&place| place == quantity);
+        place.filter(|_| !self.ratios.is_empty())
     }
 
     /// Values at the vertices or triangles of the scene's mesh, in the order of [`Self::mesh`].
@@ -95,4 +130,15 @@ impl Preparation<'_> {
             .push(Effect::conservative(name, method, self.mesh())?);
         Ok(())
     }
+}
+
+/// A target for each component, from its target and its ratios.
+fn each(
+    targets: &Targets<f64>,
+    ratios: &[[f64; 2]],
+    of: impl Fn(f64, [f64; 2]) -> f64,
+) -> Targets<f64> {
+    let parts = ratios.iter().enumerate();
+    let parts = parts.map(|(component, &ratios)| of(targets.at(component), ratios));
+    Targets::PerComponent(parts.collect())
 }

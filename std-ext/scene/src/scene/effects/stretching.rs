@@ -134,6 +134,11 @@ impl Stretch {
         self.forces[self.current]
     }
 
+    /// The number of the present load.
+    pub(crate) fn current(&self) -> usize {
+        self.current
+    }
+
     /// The number of loads.
     pub(crate) fn count(&self) -> usize {
         self.forces.len()

@@ -11,7 +11,6 @@ use super::{
     Parameter, Parameters, Preparation, Reader, SurfaceEffect, Target,
 };
 use crate::generate::AnyShape;
-use crate::held::Quantity;
 use crate::six::Six;
 use helfrich::{AnyFunctional, Targets};
 use serde::Serialize;
@@ -220,7 +219,7 @@ impl SurfaceEffect for HeldVolume {
     fn prepare(&self, preparation: &mut Preparation<'_>) -> Result<(), EffectError> {
         let volume = preparation.geometry.volume;
         let targets = match self.target {
-            VolumeTarget::Initial => Quantity::targets(volume, preparation.surface),
+            VolumeTarget::Initial => preparation.present(volume, self.hold.is_exact()),
             VolumeTarget::Value(volume) => Targets::Same(volume),
             VolumeTarget::Reduced(reduced) => {
                 let areas = HeldArea::targets(preparation);

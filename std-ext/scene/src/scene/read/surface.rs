@@ -5,6 +5,7 @@ use super::super::builder::Builder;
 use super::super::effects::{Check, Effects, Stiffness};
 use super::super::problem::Problem;
 use super::super::reader::Reader;
+use super::super::remesh::Remesh;
 use super::super::value::default_name;
 use super::super::{Driver, MeshSource, Orientation, SurfaceScene};
 use crate::generate::{AnyShape, Family, check as check_mesh};
@@ -26,6 +27,7 @@ impl Builder<'_> {
                 .text("boundary")
                 .and_then(Boundary::parse)
                 .unwrap_or_default(),
+            remesh: Remesh::read(surface),
             viscosity_ratio: surface.number("viscosity_ratio"),
             effects: Effects::read(surface, &source, self),
             source,
@@ -75,6 +77,7 @@ impl Builder<'_> {
         for (_, effect) in effects.iter() {
             effect.check(&mut check);
         }
+        self.remesh(surface, reader, driver);
         match driver {
             None => {}
             Some(Driver::Relax(_)) => self.without_fluid(surface, reader),

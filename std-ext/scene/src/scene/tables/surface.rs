@@ -4,6 +4,7 @@ use super::super::boundary::BOUNDARY;
 use super::super::effects;
 use super::super::keys::{Form, Key, Keys, NUMBER, any, joined, optional, plain, required};
 use super::super::mesh_source::WELD;
+use super::super::remesh::REMESH;
 use super::super::units::Dimension;
 
 pub(super) static SURFACE: Keys = Keys {
@@ -29,6 +30,7 @@ const OWN: &[Key] = &[
     POSITION,
     ORIENTATION,
     BOUNDARY,
+    REMESH,
     optional(
         "viscosity_ratio",
         NUMBER,

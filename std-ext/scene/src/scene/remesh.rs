@@ -1,0 +1,134 @@
+//! New meshes of a surface during a run.
+
+use super::builder::Builder;
+use super::effects::Effects;
+use super::keys::{Form, Key, Keys, Range, optional, positive};
+use super::parameter::Parameters;
+use super::reader::Reader;
+use super::units::Dimension;
+use super::{Boundary, Driver, SurfaceScene};
+use serde::Serialize;
+
+pub(super) const REMESH: Key = optional(
+    "remesh",
+    Form::Either(&[Form::Choice(|| vec![AUTO]), TABLE]),
+    "New meshes of the smooth surface through the vertices, whenever triangles have become narrow: \"auto\", or a table \
+     with the lengths of the edges; by default the mesh stays as it is. The membrane has to be fluid. \"auto\": as many \
+     vertices in proportion to the area as at the start, with edges of the same length everywhere.",
+);
+
+const AUTO: &str = "auto";
+
+const TABLE: Form = Form::Table(&SIZES);
+
+static SIZES: Keys = Keys {
+    keys: &[
+        optional(
+            "edge",
+            positive(Dimension::LENGTH),
+            "Length of the edges, the same everywhere.",
+        ),
+        optional(
+            "vertices",
+            Form::Count(12),
+            "Number of vertices, with edges of the same length everywhere.",
+        ),
+        optional(
+            "curvature",
+            positive(Dimension::NONE),
+            "Angle in degrees by which the surface turns along an edge at most.",
+        ),
+        optional(
+            "error",
+            Form::Number(Dimension::NONE, Range::Fraction),
+            "Error of H, in parts of the largest |H|, up to which edges are as long as possible.",
+        ),
+    ],
+    exactly_one: &[&["edge", "vertices", "curvature", "error"]],
+    at_most_one: &[],
+    needs: &[],
+    kinds: &[],
+};
+
+/// Edges of the new meshes of a surface.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Remesh {
+    /// As many vertices in proportion to the area as at the start.
+    Auto,
+    /// Edges of this length.
+    Edge(f64),
+    /// This number of vertices.
+    Vertices(usize),
+    /// Edges along which the surface turns by this angle, in degrees.
+    Curvature(f64),
+    /// Edges as long as this error of H allows, in parts of the largest |H|.
+    Error(f64),
+}
+
+impl Remesh {
+    pub(super) fn read(surface: Reader<'_>) -> Option<Self> {
+        if surface.text("remesh") == Some(AUTO) {
+            return Some(Self::Auto);
+        }
+        let table = surface.table("remesh")?;
+        let number = |key: &str| table.number(key);
+        let edge = number("edge").map(Self::Edge);
+        let curvature = number("curvature").map(Self::Curvature);
+        let error = number("error").map(Self::Error);
+        let count = table.count("vertices").map(|count| {
+            let count = usize::try_from(count);
+            Self::Vertices(count.unwrap_or(usize::MAX))
+        });
+        edge.or(curvature).or(error).or(count)
+    }
+
+    /// The edges in words.
+    pub(crate) fn words(self, number: &Parameters) -> String {
+        match self {
+            Self::Auto => "as many vertices for its area as at the start".to_owned(),
+            Self::Edge(length) => number.of("edge", length, Dimension::LENGTH).to_string(),
+            Self::Vertices(count) => format!("{count} vertices"),
+            Self::Curvature(angle) => format!("at most {angle}° an edge"),
+            Self::Error(part) => format!("errors of H of at most {} %", 100.0 * part),
+        }
+    }
+}
+
+impl Builder<'_> {
+    /// Refuses new meshes of surfaces whose vertices have to stay.
+    pub(super) fn remesh(
+        &mut self,
+        surface: &SurfaceScene,
+        reader: Reader<'_>,
+        driver: Option<&Driver>,
+    ) {
+        if surface.remesh.is_none() {
+            return;
+        }
+        let name = &surface.name;
+        let mut refuse = |message: String| {
+            self.contradiction(&reader.origin_of("remesh"), message);
+        };
+        if let Some(effect) = Effects::solid(&surface.effects).next() {
+            refuse(format!(
+                "\"{name}\" remembers where its material was, by `{effect}`, and vertices of a new mesh were nowhere: leave \
+                 `remesh` or `{effect}` out"
+            ));
+        }
+        if surface.boundary != Boundary::Free {
+            refuse(format!(
+                "the edge of \"{name}\" is supported, and its vertices have to stay: leave `remesh` out, or choose \
+                 `boundary = \"free\"`"
+            ));
+        }
+        if let Some(driver) = driver
+            && !matches!(driver, Driver::Relax(_))
+        {
+            refuse(format!(
+                "only the driver \"relax\" makes new meshes: leave the `remesh` of \"{name}\" out; in a flow `redistribution` \
+                 keeps meshes even as long as it can"
+            ));
+        }
+    }
+}
