@@ -18,7 +18,7 @@ pub mod sweep;
 
 // Modules of other packages, which the modules here name by `crate::`.
 use helfrich_draw::picture;
-use helfrich_evaluate::{effect, execute, held, method, scalar};
+use helfrich_evaluate::{effect, execute, held, method, remesh, scalar};
 use helfrich_mesh::{enclosure, generate, info, io};
 use helfrich_scene::{scene, series, simulation, six};
 use helfrich_solve::{deformation, dynamics, flow};

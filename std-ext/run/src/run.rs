@@ -39,6 +39,7 @@ mod modes;
 mod quality;
 mod relaxing;
 mod remedy;
+mod remeshing;
 mod start;
 mod state;
 mod summary;
@@ -59,6 +60,8 @@ use files::PlannedPlot;
 use measure::Measures;
 pub use modes::stability;
 pub use quality::Flagged;
+pub use remeshing::Remeshing;
+use remeshing::{Remesher, RemeshingState};
 use serde::{Deserialize, Serialize};
 use start::drive;
 use state::DriveState;
@@ -90,6 +93,7 @@ pub struct Progress<'a> {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Stored {
     drive: DriveState,
+    remeshing: RemeshingState,
     outputs: Outputs,
 }
 
@@ -149,10 +153,11 @@ pub fn run(
         folder::refuse_foreign(scene, &simulation, folder)?;
     }
     let (state, outputs) = stored
-        .map(|Stored { drive, outputs }| (drive, outputs))
+        .map(|stored| ((stored.drive, stored.remeshing), stored.outputs))
         .unzip();
     let PlannedRun {
         measures,
+        remesher,
         drive,
         columns,
         plots,
@@ -188,6 +193,7 @@ pub fn run(
         uncounted: uncounted.map(|cost| cost.evaluations).collect(),
         simulation,
         measures,
+        remesher,
         drive,
         plots,
         series,
@@ -206,6 +212,7 @@ pub fn run(
 /// State of a run before anything is written.
 struct PlannedRun<'a> {
     measures: Measures,
+    remesher: Remesher,
     drive: Box<dyn Drive + 'a>,
     columns: Vec<String>,
     plots: Vec<PlannedPlot<'a>>,
@@ -226,11 +233,20 @@ fn plan<'a>(
     scene: &'a Scene,
     simulation: &mut Simulation,
     positions: Vec<[f64; 3]>,
-    state: Option<DriveState>,
+    state: Option<(DriveState, RemeshingState)>,
 ) -> Result<PlannedRun<'a>, RunError> {
     files::refuse_pictures(&scene.output)?;
     let begins = state.is_none();
-    let measures = Measures::new(scene, simulation, &positions);
+    let mut measures = Measures::new(scene, simulation, &positions);
+    let mut remesher = Remesher::new(scene, simulation, &positions);
+    let state = match state {
+        Some((state, remeshing)) => {
+            remesher.resume(scene, simulation, remeshing)?;
+            measures.meshes_changed(scene, simulation);
+            Some(state)
+        }
+        None => None,
+    };
     let drive = drive(scene, simulation, positions, state)?;
     if begins {
         acts::refuse_idle(scene, simulation, drive.positions())?;
@@ -247,6 +263,7 @@ fn plan<'a>(
     let plots = plots.collect::<Result<_, _>>()?;
     Ok(PlannedRun {
         measures,
+        remesher,
         drive,
         columns,
         plots,
@@ -267,6 +284,7 @@ struct Run<'a> {
     fingerprint: Fingerprint,
     simulation: Simulation,
     measures: Measures,
+    remesher: Remesher,
     drive: Box<dyn Drive + 'a>,
     plots: Vec<PlannedPlot<'a>>,
     series: Series,
@@ -289,12 +307,37 @@ impl Run<'_> {
         progress: &mut dyn FnMut(&Progress<'_>),
     ) -> Result<(End, String), RunError> {
         if self.outputs.written.is_none() {
+            if !self.replace_worn(interrupted)? {
+                return self.interrupted();
+            }
             // A relaxation may begin with a surface that is not resolved.
             self.write(false)?;
             self.checkpoint()?;
         }
         loop {
-            let step = self.drive.step(&mut self.simulation)?;
+            // Before a step, so that a continued run repeats it.
+            if !self.replace_worn(interrupted)? {
+                return self.interrupted();
+            }
+            if self.remesher.measures(&*self.drive) {
+                self.measure()?;
+            }
+            let mut step = self.drive.step(&mut self.simulation)?;
+            if let Some(worn) = step.worn {
+                if self.remesher.can_replace(worn, &*self.drive) {
+                    if !self.replace(&[worn], interrupted)? {
+                        return self.interrupted();
+                    }
+                } else {
+                    step = self.drive.worn_out(&mut self.simulation);
+                    step.end = step
+                        .end
+                        .map(|(end, why)| (end, format!("mesh worn out: {why}")));
+                }
+            }
+            if matches!(step.end, Some((End::Converged, _))) && self.measure()? {
+                continue;
+            }
             let (fraction, message) = self.drive.progress();
             progress(&Progress {
                 fraction,
@@ -314,14 +357,51 @@ impl Run<'_> {
                 return Ok(end);
             }
             if interrupted() {
-                self.checkpoint()?;
-                let message = format!(
-                    "interrupted at {}: `--resume` continues",
-                    self.drive.caption()
-                );
-                return Ok((End::Interrupted, message));
+                return self.interrupted();
             }
         }
+    }
+
+    fn interrupted(&mut self) -> Result<(End, String), RunError> {
+        self.checkpoint()?;
+        let message = format!(
+            "interrupted at {}: `--resume` continues",
+            self.drive.caption()
+        );
+        Ok((End::Interrupted, message))
+    }
+
+    /// Measures held areas and volumes anew; false if they stay as they are.
+    fn measure(&mut self) -> Result<bool, RunError> {
+        let (scene, simulation) = (self.scene, &mut self.simulation);
+        let changed = self.remesher.measure(scene, simulation, &mut *self.drive)?;
+        self.measures.meshes_changed(scene, &self.simulation);
+        Ok(changed)
+    }
+
+    /// Replaces the meshes that are due; false if this was interrupted.
+    fn replace_worn(&mut self, interrupted: &dyn Fn() -> bool) -> Result<bool, RunError> {
+        let positions = self.drive.positions();
+        let due = self.remesher.due(&self.simulation, positions);
+        self.replace(&due, interrupted)
+    }
+
+    /// Replaces the meshes of some surfaces; false if this was interrupted.
+    fn replace(
+        &mut self,
+        surfaces: &[usize],
+        interrupted: &dyn Fn() -> bool,
+    ) -> Result<bool, RunError> {
+        if surfaces.is_empty() {
+            return Ok(true);
+        }
+        let start = Instant::now();
+        let (scene, simulation) = (self.scene, &mut self.simulation);
+        let (remesher, drive) = (&mut self.remesher, &mut *self.drive);
+        let done = remesher.replace(surfaces, scene, simulation, drive, interrupted)?;
+        self.measures.meshes_changed(scene, &self.simulation);
+        self.outputs.output_costs.remeshing.add(start);
+        Ok(done)
     }
 
     /// Writes a row of the series and, if due or at the end, a set of files, unless this has been
@@ -334,9 +414,13 @@ impl Run<'_> {
         let start = Instant::now();
         let acting = self.simulation.resolve(self.drive.positions());
         let flagged = quality::flagged(&self.simulation, self.drive.positions());
-        let mut row = self
-            .measures
-            .row(&*self.drive, &self.simulation, &acting, &flagged);
+        let mut row = self.measures.row(
+            &*self.drive,
+            &self.simulation,
+            &self.remesher,
+            &acting,
+            &flagged,
+        );
         self.doubt(flagged.iter().flatten());
         self.outputs.output_costs.quality.add(start);
         row.extend(self.probe());
@@ -398,6 +482,7 @@ impl Run<'_> {
         let costs = self.costs();
         let stored = Stored {
             drive: self.drive.state(),
+            remeshing: self.remesher.state().clone(),
             outputs: Outputs {
                 costs: costs.iter().map(|c| (c.evaluations, c.seconds)).collect(),
                 seconds: self.seconds(),
@@ -464,6 +549,7 @@ impl Run<'_> {
         warnings.extend(warning);
         modes::write(&modes, self.folder)?;
         let notes = self.drive.notes().iter();
+        let notes = notes.chain(self.remesher.notes());
         let notes = notes.chain(self.outputs.doubts.iter().map(|(_, note)| note));
         let names = Vec::from_iter(self.simulation.bodies().iter().map(Body::name));
         warnings.extend(messages_once(notes.cloned().collect(), &names));
@@ -484,6 +570,7 @@ impl Run<'_> {
             effects,
             flagged,
             energy_estimates,
+            remeshings: self.remesher.events().to_vec(),
             modes,
             warnings,
             version: env!("CARGO_PKG_VERSION"),

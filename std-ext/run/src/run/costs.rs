@@ -34,6 +34,8 @@ impl Spent {
 pub(super) struct OutputCosts {
     /// Rows of the series: forces of each effect, findings of methods, estimates of errors.
     pub(super) quality: Spent,
+    /// New meshes of surfaces.
+    pub(super) remeshing: Spent,
     /// The series, surfaces, fields of the fluid and checkpoints.
     pub(super) files: Spent,
     /// Pictures, slices and plots.
@@ -49,6 +51,9 @@ impl OutputCosts {
             self.files.named("files"),
             self.pictures.named("pictures"),
         ];
+        let remeshing = [self.remeshing].into_iter().filter(|spent| spent.times > 0);
+        let remeshing = remeshing.map(|spent| spent.named("remeshing"));
+        let outputs = Vec::from_iter(remeshing.chain(outputs));
         let spent: f64 = outputs.iter().map(|cost| cost.seconds).sum();
         // Differences of times may be below 0 by rounding.
         let seconds = (all - effects - spent).max(0.0);

@@ -25,6 +25,21 @@ pub(super) trait Drive {
     /// Advances by one step.
     fn step(&mut self, simulation: &mut Simulation) -> Result<Step, RunError>;
 
+    /// The end of the run after a step with a mesh that is [worn](Step::worn) and cannot be replaced.
+    fn worn_out(&mut self, _simulation: &mut Simulation) -> Step {
+        Step::default()
+    }
+
+    /// Continues with the new meshes of the simulation at these positions.
+    fn replace_meshes(
+        &mut self,
+        _simulation: &mut Simulation,
+        _positions: Vec<[f64; 3]>,
+    ) -> Result<(), RunError> {
+        // The reader of scenes refuses new meshes with such drivers.
+        Err(RunError::Mismatch)
+    }
+
     /// The progress from 0 to 1, and its description.
     fn progress(&self) -> (f64, String);
 
@@ -64,6 +79,8 @@ pub(super) struct Step {
     pub(super) checkpoint: bool,
     /// The end of the run, and a text with its reason.
     pub(super) end: Option<(End, String)>,
+    /// The surface whose mesh does not allow a further step.
+    pub(super) worn: Option<usize>,
 }
 
 /// Work of a driver.

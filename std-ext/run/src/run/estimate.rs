@@ -207,10 +207,26 @@ impl Estimating<'_> {
             let multipliers = multipliers(&gradients, &force, vertices, dot);
             for ((quantity, values), multiplier) in quantities.iter().zip(&values).zip(multipliers)
             {
-                sum += multiplier.unwrap_or(0.0) * (integrals.value(*quantity) - values[component]);
+                let held = values[component] * self.ratio(component, *quantity);
+                sum += multiplier.unwrap_or(0.0) * (integrals.value(*quantity) - held);
             }
         }
         sum
+    }
+
+    /// A quantity of a component, as it is held, over that of its flat triangles.
+    fn ratio(&self, component: usize, quantity: AnyFunctional) -> f64 {
+        let [area, volume] = self
+            .body
+            .ratios()
+            .get(component)
+            .copied()
+            .unwrap_or([1.0; 2]);
+        match quantity {
+            AnyFunctional::Area => area,
+            AnyFunctional::Volume => volume,
+            _ => 1.0,
+        }
     }
 
     /// The forces that are balanced by constraints and by energies of area, volume and area

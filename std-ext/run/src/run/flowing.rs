@@ -291,6 +291,7 @@ impl Drive for Flowing<'_> {
                     output: true,
                     checkpoint: true,
                     end: Some((End::Failed, message)),
+                    ..Step::default()
                 });
             }
         };
@@ -314,6 +315,7 @@ impl Drive for Flowing<'_> {
                 output: true,
                 checkpoint: true,
                 end: Some((End::Failed, message)),
+                ..Step::default()
             });
         }
         if let Some(message) = self.stagnation(&report, output, simulation) {
@@ -322,6 +324,7 @@ impl Drive for Flowing<'_> {
                 output: true,
                 checkpoint: true,
                 end: Some((End::Stagnated, message)),
+                ..Step::default()
             });
         }
         let every = self.scene.output.checkpoint_every;
@@ -330,6 +333,7 @@ impl Drive for Flowing<'_> {
             output,
             checkpoint: done || self.progress.steps.is_multiple_of(every),
             end: completed.filter(|_| done),
+            ..Step::default()
         })
     }
 

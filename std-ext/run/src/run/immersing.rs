@@ -187,6 +187,7 @@ impl<T: Stored> Drive for Immersing<'_, T> {
                 output: true,
                 checkpoint: true,
                 end: Some((End::Failed, message)),
+                ..Step::default()
             });
         }
         self.progress.steps += 1;
@@ -205,6 +206,7 @@ impl<T: Stored> Drive for Immersing<'_, T> {
             output,
             checkpoint: done || steps.is_multiple_of(every),
             end: completed.filter(|_| done),
+            ..Step::default()
         })
     }
 

@@ -3,8 +3,9 @@
 use super::deformed::smallest_angle;
 use super::drive::Drive;
 use super::quality::{self, Flagged};
+use super::remeshing::{self, Remesher};
 use crate::effect::Effect;
-use crate::held::Quantity;
+use crate::held::{Geometry, Quantity};
 use crate::picture::Frame;
 use crate::scene::{Bending, Named, PictureField, Scene, UnitSystem};
 use crate::simulation::{Acting, Body, Simulation};
@@ -17,41 +18,49 @@ pub(super) struct Measures {
     columns: Vec<String>,
     /// Directions along and across, for each surface that is stretched.
     directions: Vec<Option<[[f64; 3]; 2]>>,
-    /// Area and volume of the patches, for each surface that has them.
-    patches: Vec<Option<[Quantity; 2]>>,
+    /// Area and volume, for each surface where they are not those of flat triangles.
+    held: Vec<Option<HeldExtents>>,
     /// A ball around the initial surfaces.
     ball: Frame,
 }
 
 impl Measures {
-    pub(super) fn new(scene: &Scene, simulation: &Simulation, positions: &[[f64; 3]]) -> Self {
-        let driver = &scene.driver;
+    pub(super) fn new(all: &Scene, simulation: &Simulation, positions: &[[f64; 3]]) -> Self {
         let mut columns = vec!["energy".to_owned()];
         let effects = simulation.effect_names().into_iter();
         columns.extend(effects.map(|effect| format!("energy_{effect}")));
         let mut directions = Vec::new();
-        let mut patches = Vec::new();
-        for (body, scene) in simulation.bodies().iter().zip(&scene.surfaces) {
+        for (body, scene) in simulation.bodies().iter().zip(&all.surfaces) {
             let mut names = vec!["area", "volume", "reduced_volume", "smallest_angle"];
             if quality::has_bending(body) {
                 names.extend(quality::COLUMNS);
+            }
+            if scene.remesh.is_some() {
+                names.extend(remeshing::COLUMNS);
             }
             if scene.effects.stretching.is_some() {
                 names.extend(["force", "axial_diameter", "transverse_diameter"]);
             }
             columns.extend(names.into_iter().map(|name| simulation.label(name, body)));
-            let geometry = scene.effects.geometry(driver);
-            let surface = body.surface(positions);
-            patches.push(surface.and_then(|at| geometry.of_patches(at.mesh())));
             let along = body.stretching().map(|(_, axis)| axis);
             directions.push(along.map(|axis| [axis, across(axis, &positions[body.vertices()])]));
         }
-        Self {
+        let mut measures = Self {
             columns,
             directions,
-            patches,
+            held: Vec::new(),
             ball: ball(positions),
-        }
+        };
+        measures.meshes_changed(all, simulation);
+        measures
+    }
+
+    /// Must be called when surfaces have got new meshes.
+    pub(super) fn meshes_changed(&mut self, scene: &Scene, simulation: &Simulation) {
+        let bodies = simulation.bodies().iter().zip(&scene.surfaces);
+        let held = bodies
+            .map(|(body, surface)| HeldExtents::new(body, surface.effects.geometry(&scene.driver)));
+        self.held = held.collect();
     }
 
     /// View of a picture: the ball around the initial surfaces. If the surfaces need more space, the
@@ -78,6 +87,7 @@ impl Measures {
         &mut self,
         drive: &dyn Drive,
         simulation: &Simulation,
+        remesher: &Remesher,
         acting: &[Acting],
         flagged: &[Option<Flagged>],
     ) -> Vec<f64> {
@@ -86,11 +96,11 @@ impl Measures {
         let mut row = drive.numbers(simulation);
         row.push(energies.clone().sum());
         row.extend(energies);
-        let surfaces = self.directions.iter().zip(&mut self.patches);
+        let surfaces = self.directions.iter().zip(&mut self.held);
         let bodies = simulation.bodies().iter().zip(surfaces);
-        for ((body, (directions, patches)), flagged) in bodies.zip(flagged) {
+        for (index, ((body, (directions, held)), flagged)) in bodies.zip(flagged).enumerate() {
             let surface = body.surface(positions);
-            let [area, volume] = surface.map_or([f64::NAN; 2], |at| extents(at, patches.as_mut()));
+            let [area, volume] = surface.map_or([f64::NAN; 2], |at| extents(at, held.as_mut()));
             let angle = surface.map_or(f64::NAN, smallest_angle);
             row.extend([
                 area,
@@ -100,6 +110,9 @@ impl Measures {
             ]);
             if quality::has_bending(body) {
                 row.extend(flagged.as_ref().map_or([f64::NAN; 3], Flagged::numbers));
+            }
+            if remesher.renews(index) {
+                row.extend(remesher.numbers(body));
             }
             if let (Some((force, _)), Some(directions)) = (body.stretching(), directions) {
                 let own = &positions[body.vertices()];
@@ -132,14 +145,48 @@ fn farthest(centre: [f64; 3], positions: &[[f64; 3]]) -> f64 {
     positions.iter().map(distance).fold(0.0, f64::max)
 }
 
-/// Area and volume, of patches or of flat triangles; the volume is NaN where the surface encloses none.
-fn extents(surface: Surface<'_, f64>, patches: Option<&mut [Quantity; 2]>) -> [f64; 2] {
+/// Area and volume of the components as they are held: of patches, or of the smooth surface through the vertices.
+#[derive(Debug)]
+pub(super) struct HeldExtents {
+    quantities: [Quantity; 2],
+    /// Their values over those of the quantities, component by component; empty if these are the same.
+    ratios: Vec<[f64; 2]>,
+}
+
+impl HeldExtents {
+    /// `None` where area and volume are those of flat triangles.
+    pub(super) fn new(body: &Body, geometry: Geometry) -> Option<Self> {
+        let ratios = body.ratios().to_vec();
+        let quantities = match geometry.of_patches(body.mesh()) {
+            Some(patches) => patches,
+            None if ratios.is_empty() => return None,
+            None => [geometry.area, geometry.volume].map(|of| Quantity::new(of, body.mesh())),
+        };
+        Some(Self { quantities, ratios })
+    }
+
+    fn sums(&mut self, surface: Surface<'_, f64>) -> [f64; 2] {
+        let ratios = &self.ratios;
+        let mut which = 0..2;
+        self.quantities.each_mut().map(|quantity| {
+            let which = which.next().unwrap_or_default();
+            let values = quantity.values(surface).iter().enumerate();
+            let ratio = |component: usize| ratios.get(component).map_or(1.0, |own| own[which]);
+            values
+                .map(|(component, value)| value * ratio(component))
+                .sum()
+        })
+    }
+}
+
+/// Area and volume, as they are held or of flat triangles; the volume is NaN where the surface encloses none.
+pub(super) fn extents(surface: Surface<'_, f64>, held: Option<&mut HeldExtents>) -> [f64; 2] {
     let volume = surface.volume();
-    let Some([area, enclosed]) = patches else {
+    let Some(held) = held else {
         return [surface.area(), volume.unwrap_or(f64::NAN)];
     };
-    let sum = |quantity: &mut Quantity| quantity.values(surface).iter().sum();
-    [sum(area), volume.map_or(f64::NAN, |_| sum(enclosed))]
+    let [area, enclosed] = held.sums(surface);
+    [area, volume.map_or(f64::NAN, |_| enclosed)]
 }
 
 /// The direction across an axis in which points extend farthest.

@@ -73,6 +73,15 @@ fn regular_count(vertices: usize) -> usize {
     count
 }
 
+/// Remedy for a surface whose triangles do not allow a further step.
+pub(super) fn of_mesh(surface: &SurfaceScene) -> String {
+    if surface.remesh.is_none() && surface.can_have_new_meshes() {
+        return "give the surface `remesh = \"auto\"`: it then gets a new mesh whenever triangles have become narrow"
+            .to_owned();
+    }
+    remedy(surface)
+}
+
 /// Remedy for surfaces whose relaxation does not converge.
 pub(super) fn advice(surfaces: &[SurfaceScene]) -> String {
     let without_energy = surfaces.iter().find_map(without_energy);

@@ -1,7 +1,7 @@
 //! The end of a run, and its summary file.
 
 use super::remedy::remedy;
-use super::{EnergyEstimate, Flagged};
+use super::{EnergyEstimate, Flagged, Remeshing};
 use crate::dynamics::Mode;
 use crate::scene::{Relax, Scene};
 use crate::simulation::{EffectCost, messages_once};
@@ -79,6 +79,9 @@ pub struct Summary {
     pub flagged: Vec<Flagged>,
     /// The estimated errors of the energies of closed surfaces at the end of a relaxation.
     pub energy_estimates: Vec<EnergyEstimate>,
+    /// New meshes of surfaces, in their order.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub remeshings: Vec<Remeshing>,
     /// The normal modes of least stiffness at the end of a relaxation, if the driver asks for them.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub modes: Vec<Mode>,

@@ -1,0 +1,516 @@
+//! New meshes of surfaces whose triangles have become narrow.
+//!
+//! An event is between two steps: the vertices of a new mesh are put on the smooth surface through the old ones, columns
+//! are carried to them, and the effects are prepared for it. The volume of each closed component stays the same to
+//! rounding, and the driver restores quantities that are held exactly. All depends on positions alone, so that a
+//! continued run repeats its events bit for bit.
+
+use super::RunError;
+use super::curved::Curved;
+use super::deformed::smallest_angle;
+use super::drive::Drive;
+use super::measure::{HeldExtents, extents};
+use crate::held::{Geometry, Quantity, keep_volumes_on};
+use crate::io::ColumnPlace;
+use crate::method::{BendingMethod, Evaluator};
+use crate::remesh::{
+    EdgeLengths, MeshRequest, NewMesh, OfNoise, RemeshError, carried, in_order_of_components,
+    old_triangles, remeshed,
+};
+use crate::scene::{Driver, Remesh, Scene, SurfaceScene};
+use crate::simulation::{Body, BodyMesh, Simulation};
+use helfrich::{AnyFunctional, MaterialParameter, Surface, TriangleMesh};
+use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
+
+/// The smallest angle, in degrees, below which a mesh is replaced. New meshes have 35 to 42.
+const WORN: f64 = 26.0;
+
+/// The part of the smallest angle after an event below which the next is due, if the new mesh is not better than [`WORN`].
+const FARTHER: f64 = 0.8;
+
+/// The ratio between the vertices that a surface is to have for its area and those that it has, or its inverse, above which
+/// a mesh is replaced.
+const GROWN: f64 = 1.25;
+
+/// The part of the difference between the smooth surface and its flat triangles by which held areas and volumes may be off:
+/// far less than the errors of methods, which are of the same order.
+const SETTLED: f64 = 0.01;
+
+/// Steps from one such measurement to the next; there is one at the end, too.
+const MEASURED: u64 = 50;
+
+/// The columns of a surface with this key.
+pub(super) const COLUMNS: [&str; 3] = ["vertices", "remeshings", "remeshing_energy"];
+
+/// One new mesh of a surface.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Remeshing {
+    /// The surface's name.
+    pub surface: String,
+    /// Iteration or time.
+    pub at: f64,
+    /// Numbers of vertices before and after.
+    pub vertices: [usize; 2],
+    /// Smallest angles before and after, in degrees.
+    pub smallest_angle: [f64; 2],
+    /// Energies of all effects before and after.
+    pub energy: [f64; 2],
+    /// Areas before and after, as in the series.
+    pub area: [f64; 2],
+    /// Enclosed volumes before and after, as in the series; null for open surfaces.
+    pub volume: [f64; 2],
+}
+
+/// The present mesh of a surface that has had events, as a checkpoint stores it.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct StoredMesh {
+    triangles: Vec<[u32; 3]>,
+    /// The positions for which effects were prepared.
+    positions: Vec<[f64; 3]>,
+    columns: Vec<Vec<f64>>,
+    ratios: Vec<[f64; 2]>,
+}
+
+impl StoredMesh {
+    fn of(new: &BodyMesh) -> Self {
+        Self {
+            triangles: new.mesh.triangles().to_vec(),
+            positions: new.positions.clone(),
+            columns: new.columns.clone(),
+            ratios: new.ratios.clone(),
+        }
+    }
+}
+
+/// The state of one surface.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct SurfaceState {
+    mesh: Option<StoredMesh>,
+    /// The smallest angle, in degrees, below which an event is due.
+    limit: f64,
+    /// The number of the driver's progress at the last attempt.
+    attempt: Option<u64>,
+}
+
+/// The state of all surfaces.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(super) struct RemeshingState {
+    surfaces: Vec<SurfaceState>,
+    events: Vec<Remeshing>,
+    notes: Vec<String>,
+}
+
+/// The new meshes of a run.
+#[derive(Debug)]
+pub(super) struct Remesher {
+    /// The edges of each surface that is to have new meshes.
+    wanted: Vec<Option<Wanted>>,
+    state: RemeshingState,
+}
+
+/// The edges of a surface, and its mesh at the start.
+#[derive(Clone, Copy, Debug)]
+struct Wanted {
+    edges: Remesh,
+    vertices: usize,
+    area: f64,
+    /// Whether exactly held areas and volumes are those of the smooth surface. Those of flat triangles depend on the mesh
+    /// to second order in the edges, and a surface with few of them would get another shape with another mesh.
+    smooth: bool,
+}
+
+impl Wanted {
+    /// The number of vertices that a surface of this area is to have, if it depends on the area alone.
+    fn vertices_of(self, area: f64) -> Option<usize> {
+        match self.edges {
+            Remesh::Auto => {
+                let count = self.vertices as f64 * area / self.area;
+                Some((count.round() as usize).max(FEWEST))
+            }
+            Remesh::Vertices(count) => Some(count),
+            Remesh::Edge(_) | Remesh::Curvature(_) | Remesh::Error(_) => None,
+        }
+    }
+
+    fn request(self, area: f64) -> MeshRequest {
+        MeshRequest {
+            lengths: match self.edges {
+                // Relative to each other.
+                Remesh::Auto | Remesh::Vertices(_) => EdgeLengths::Uniform(1.0),
+                Remesh::Edge(length) => EdgeLengths::Uniform(length),
+                Remesh::Curvature(angle) => EdgeLengths::ByCurvature(angle.to_radians()),
+                Remesh::Error(part) => EdgeLengths::ByError(part),
+            },
+            vertices: self.vertices_of(area),
+            // A membrane that bends has none, and narrow triangles are no reason to keep some.
+            creases: PI,
+            noise: OfNoise::Kept,
+        }
+    }
+}
+
+/// Fewest vertices of a new mesh: those of an icosahedron.
+const FEWEST: usize = 12;
+
+impl Remesher {
+    /// The new meshes of a run that begins here.
+    pub(super) fn new(scene: &Scene, simulation: &mut Simulation, positions: &[[f64; 3]]) -> Self {
+        let surfaces = scene.surfaces.iter().enumerate();
+        let wanted = surfaces.map(|(index, surface)| {
+            let body = &simulation.bodies()[index];
+            let own = body.surface(positions)?;
+            let wanted = Wanted {
+                edges: surface.remesh?,
+                vertices: body.mesh().vertex_count(),
+                area: own.area(),
+                smooth: false,
+            };
+            if !holds_triangles(surface, &scene.driver) {
+                return Some(wanted);
+            }
+            let same = same_mesh(body, own);
+            // Where targets are out of reach, those of flat triangles are, too, or will do.
+            let smooth = simulation.replace_mesh(scene, index, same, true).is_ok();
+            Some(Wanted { smooth, ..wanted })
+        });
+        let state = SurfaceState {
+            mesh: None,
+            limit: WORN,
+            attempt: None,
+        };
+        Self {
+            wanted: wanted.collect(),
+            state: RemeshingState {
+                surfaces: vec![state; scene.surfaces.len()],
+                ..RemeshingState::default()
+            },
+        }
+    }
+
+    /// Continues from a stored state: replaces the meshes of the simulation by those of the last events.
+    pub(super) fn resume(
+        &mut self,
+        scene: &Scene,
+        simulation: &mut Simulation,
+        state: RemeshingState,
+    ) -> Result<(), RunError> {
+        for (index, surface) in state.surfaces.iter().enumerate() {
+            let Some(stored) = surface.mesh.clone() else {
+                continue;
+            };
+            let mesh = TriangleMesh::new(stored.positions.len(), stored.triangles);
+            let mesh = mesh.map_err(|_| RunError::Mismatch)?;
+            let new = BodyMesh {
+                mesh,
+                positions: stored.positions,
+                columns: stored.columns,
+                ratios: stored.ratios,
+            };
+            let replaced = simulation.replace_mesh(scene, index, new, false);
+            replaced.map_err(|_| RunError::Mismatch)?;
+        }
+        self.state = state;
+        Ok(())
+    }
+
+    /// The state to store.
+    pub(super) fn state(&self) -> &RemeshingState {
+        &self.state
+    }
+
+    /// All events so far.
+    pub(super) fn events(&self) -> &[Remeshing] {
+        &self.state.events
+    }
+
+    /// Remarks about meshes that could not be replaced.
+    pub(super) fn notes(&self) -> &[String] {
+        &self.state.notes
+    }
+
+    /// Whether a surface gets new meshes.
+    pub(super) fn renews(&self, surface: usize) -> bool {
+        self.wanted[surface].is_some()
+    }
+
+    /// The numbers of the columns of a surface.
+    pub(super) fn numbers(&self, body: &Body) -> [f64; 3] {
+        let own = self.state.events.iter();
+        let own = own.filter(|event| event.surface == body.name());
+        let changes = own.clone().map(|event| event.energy[1] - event.energy[0]);
+        [
+            body.mesh().vertex_count() as f64,
+            own.count() as f64,
+            changes.sum(),
+        ]
+    }
+
+    /// The surfaces whose meshes are due to be replaced.
+    pub(super) fn due(&self, simulation: &Simulation, positions: &[[f64; 3]]) -> Vec<usize> {
+        let bodies = simulation.bodies().iter().zip(&self.state.surfaces);
+        let is_due = |(index, (body, state)): (usize, (&Body, &SurfaceState))| {
+            let wanted = self.wanted[index]?;
+            let surface = body.surface(positions)?;
+            let count = body.mesh().vertex_count() as f64;
+            let ratio = wanted.vertices_of(surface.area());
+            let ratio = ratio.map_or(1.0, |wanted| wanted as f64 / count);
+            let is_due = ratio.max(ratio.recip()) > GROWN || smallest_angle(surface) < state.limit;
+            is_due.then_some(index)
+        };
+        bodies.enumerate().filter_map(is_due).collect()
+    }
+
+    /// Whether a mesh that cannot go on can be replaced: something has changed since the last attempt.
+    pub(super) fn can_replace(&self, surface: usize, drive: &dyn Drive) -> bool {
+        let attempt = self.state.surfaces[surface].attempt;
+        self.renews(surface) && attempt != Some(drive.mark().number)
+    }
+
+    /// Replaces the meshes of these surfaces, as far as that is possible. False if `interrupted` has ended the work: the
+    /// rest is still due then.
+    pub(super) fn replace(
+        &mut self,
+        surfaces: &[usize],
+        scene: &Scene,
+        simulation: &mut Simulation,
+        drive: &mut dyn Drive,
+        interrupted: &dyn Fn() -> bool,
+    ) -> Result<bool, RunError> {
+        for &index in surfaces {
+            let mark = drive.mark();
+            let before = drive.positions().to_vec();
+            let Some(wanted) = self.wanted[index] else {
+                continue;
+            };
+            let geometry = scene.surfaces[index].effects.geometry(&scene.driver);
+            let measured = measured(simulation, index, geometry, &before);
+            let made = new_mesh(wanted, &simulation.bodies()[index], &before, interrupted);
+            let made = match made {
+                Ok(made) => made,
+                Err(RemeshError::Interrupted) => return Ok(false),
+                Err(error) => {
+                    self.refused(index, simulation, drive, &error.to_string(), measured.angle);
+                    continue;
+                }
+            };
+            let positions = made.positions.clone();
+            let stored = StoredMesh::of(&made);
+            let vertices = simulation.bodies()[index].vertices();
+            if let Err(error) = simulation.replace_mesh(scene, index, made, false) {
+                self.refused(index, simulation, drive, &error.to_string(), measured.angle);
+                continue;
+            }
+            let (first, rest) = (&before[..vertices.start], &before[vertices.end..]);
+            drive.replace_meshes(simulation, [first, &positions, rest].concat())?;
+            let after = self::measured(simulation, index, geometry, drive.positions());
+            let state = &mut self.state.surfaces[index];
+            state.mesh = Some(stored);
+            state.limit = WORN.min(FARTHER * after.angle);
+            state.attempt = Some(mark.number);
+            self.state.events.push(Remeshing {
+                surface: scene.surfaces[index].name.clone(),
+                at: mark.time,
+                vertices: [measured.vertices, after.vertices],
+                smallest_angle: [measured.angle, after.angle],
+                energy: [measured.energy, after.energy],
+                area: [measured.area, after.area],
+                volume: [measured.volume, after.volume],
+            });
+        }
+        Ok(true)
+    }
+
+    /// Whether it is time to [measure](Self::measure).
+    pub(super) fn measures(&self, drive: &dyn Drive) -> bool {
+        let number = drive.mark().number;
+        number > 0 && number.is_multiple_of(MEASURED)
+    }
+
+    /// Measures anew how much more than its flat triangles the smooth surface has; false if that is as it was, to
+    /// [`SETTLED`].
+    pub(super) fn measure(
+        &mut self,
+        scene: &Scene,
+        simulation: &mut Simulation,
+        drive: &mut dyn Drive,
+    ) -> Result<bool, RunError> {
+        let mut changed = false;
+        for (index, wanted) in self.wanted.iter().enumerate() {
+            let positions = drive.positions();
+            let body = &simulation.bodies()[index];
+            let Some(own) = body.surface(positions) else {
+                continue;
+            };
+            if !wanted.is_some_and(|wanted| wanted.smooth) {
+                continue;
+            }
+            let same = same_mesh(body, own);
+            let [before, after] = [body.ratios(), &same.ratios].map(<[_]>::as_flattened);
+            let largest = |numbers: &mut dyn Iterator<Item = f64>| numbers.fold(0.0, f64::max);
+            let off = largest(&mut before.iter().zip(after).map(|(a, b)| (a - b).abs()));
+            if off <= SETTLED * largest(&mut after.iter().map(|ratio| (ratio - 1.0).abs())) {
+                continue;
+            }
+            let stored = StoredMesh::of(&same);
+            if simulation.replace_mesh(scene, index, same, false).is_ok() {
+                self.state.surfaces[index].mesh = Some(stored);
+                changed = true;
+            }
+        }
+        if changed {
+            let positions = drive.positions().to_vec();
+            drive.replace_meshes(simulation, positions)?;
+        }
+        Ok(changed)
+    }
+
+    /// Notes that the mesh of a surface stays, and tries again when it has become worse.
+    fn refused(
+        &mut self,
+        index: usize,
+        simulation: &Simulation,
+        drive: &dyn Drive,
+        reason: &str,
+        angle: f64,
+    ) {
+        let state = &mut self.state.surfaces[index];
+        state.limit = FARTHER * angle;
+        state.attempt = Some(drive.mark().number);
+        let name = simulation.bodies()[index].name();
+        let what = format!("\"{name}\" keeps its mesh");
+        if !self.state.notes.iter().any(|note| note.contains(&what)) {
+            let note = format!("from {}: {what}: {reason}", drive.caption());
+            self.state.notes.push(note);
+        }
+    }
+}
+
+/// Measures of a surface before or after an event.
+struct Measured {
+    vertices: usize,
+    angle: f64,
+    energy: f64,
+    area: f64,
+    volume: f64,
+}
+
+fn measured(
+    simulation: &mut Simulation,
+    index: usize,
+    geometry: Geometry,
+    positions: &[[f64; 3]],
+) -> Measured {
+    let acting = simulation.resolve(positions);
+    let body = &simulation.bodies()[index];
+    let surface = body.surface(positions);
+    let mut held = HeldExtents::new(body, geometry);
+    let extents = surface.map(|surface| extents(surface, held.as_mut()));
+    let [area, volume] = extents.unwrap_or([f64::NAN; 2]);
+    Measured {
+        vertices: body.mesh().vertex_count(),
+        angle: surface.map_or(f64::NAN, smallest_angle),
+        energy: acting.iter().map(|acting| acting.energy).sum(),
+        area,
+        volume,
+    }
+}
+
+/// A new mesh of a surface, with its columns. Its closed components have their volumes.
+fn new_mesh(
+    wanted: Wanted,
+    body: &Body,
+    positions: &[[f64; 3]],
+    interrupted: &dyn Fn() -> bool,
+) -> Result<BodyMesh, RemeshError> {
+    let surface = body.surface(positions).ok_or(RemeshError::Interrupted)?;
+    let request = wanted.request(surface.area());
+    let NewMesh {
+        smooth, mut made, ..
+    } = remeshed(surface, &request, &mut |_| !interrupted())?;
+    in_order_of_components(surface.mesh(), &mut made);
+    let mut positions = Vec::from_iter(made.points.iter().map(|point| point.position));
+    keep_volumes_on(surface, &made.mesh, &mut positions)?;
+    let columns = body.columns();
+    let fields = columns.iter();
+    let fields = fields.filter(|column| column.place == ColumnPlace::Vertices);
+    let fields = Vec::from_iter(fields.map(|column| &column.values[..]));
+    let mut fields = carried(&smooth, &made.places, &fields).into_iter();
+    let triangles = old_triangles(&made);
+    let columns = columns.iter().map(|column| match column.place {
+        ColumnPlace::Triangles => triangles.iter().map(|&old| column.values[old]).collect(),
+        ColumnPlace::Vertices => {
+            // Parameters stay within their range, in which methods have been checked.
+            let (low, high) = range(&column.values);
+            let values = fields.next().unwrap_or_default().into_iter();
+            values.map(|value| value.clamp(low, high)).collect()
+        }
+    });
+    let columns = columns.collect();
+    let ratios = match Surface::new(&made.mesh, &positions) {
+        Ok(new) if wanted.smooth => ratios_to_flat(new),
+        _ => Vec::new(),
+    };
+    Ok(BodyMesh {
+        mesh: made.mesh,
+        positions,
+        columns,
+        ratios,
+    })
+}
+
+/// The mesh that a surface has, with its present ratios to flat triangles.
+fn same_mesh(body: &Body, own: Surface<'_, f64>) -> BodyMesh {
+    let columns = body.columns().iter();
+    BodyMesh {
+        mesh: body.mesh().clone(),
+        positions: own.positions().to_vec(),
+        columns: columns.map(|column| column.values.clone()).collect(),
+        ratios: ratios_to_flat(own),
+    }
+}
+
+/// Area and volume of each component of the curved surface through the vertices, by the normals of jets of degree 6, over
+/// those of its flat triangles; 1 where jets or flat triangles do not measure them.
+fn ratios_to_flat(surface: Surface<'_, f64>) -> Vec<[f64; 2]> {
+    let mesh = surface.mesh();
+    let (groups, count) = mesh.components();
+    let fields = Evaluator::new(BendingMethod::J6, 1.0, mesh).fields(surface);
+    // H is not needed for these.
+    let mean = vec![0.0; mesh.vertex_count()];
+    let none = [0.0; 2].map(MaterialParameter::Constant);
+    let curved = Curved::new(surface, &fields.normal, &mean, none).integrals(&groups, count);
+    let flat = [AnyFunctional::Area, AnyFunctional::Volume];
+    let flat = flat.map(|of| Quantity::new(of, mesh).values(surface).to_vec());
+    let ratio = |curved: f64, flat: f64| {
+        let ratio = curved / flat;
+        if ratio.is_finite() { ratio } else { 1.0 }
+    };
+    let parts = curved.iter().enumerate();
+    let parts = parts.map(|(at, curved)| {
+        [
+            ratio(curved.area, flat[0][at]),
+            ratio(curved.volume, flat[1][at]),
+        ]
+    });
+    parts.collect()
+}
+
+/// Whether area or volume of flat triangles are held exactly.
+fn holds_triangles(surface: &SurfaceScene, driver: &Driver) -> bool {
+    let effects = &surface.effects;
+    let geometry = effects.geometry(driver);
+    let area = effects.area.is_some_and(|area| area.hold.is_exact());
+    let volume = effects.volume.is_some_and(|volume| volume.hold.is_exact());
+    let is_flat = [geometry.area, geometry.volume] == [AnyFunctional::Area, AnyFunctional::Volume];
+    is_flat && (area || volume)
+}
+
+/// The least and the largest of some numbers.
+fn range(values: &[f64]) -> (f64, f64) {
+    let start = (f64::INFINITY, f64::NEG_INFINITY);
+    let values = values.iter();
+    values.fold(start, |(low, high), &value| {
+        (low.min(value), high.max(value))
+    })
+}
