@@ -7,6 +7,7 @@ mod enclosure;
 mod interruption;
 mod pictures;
 mod plots;
+mod remeshing;
 mod series;
 mod vtk;
 

@@ -438,6 +438,30 @@ fn contradictions_of_elasticity_and_targets_are_refused() {
         [3, 18],
         &["every surface is elastic, or pulled at its vertices: choose false"],
     );
+    let renewed = |text: &str| text.replace("vertices = 642", "vertices = 642\nremesh = \"auto\"");
+    refused(
+        &renewed(&with(elastic)),
+        [8, 10],
+        &["remembers where its material was, by `elasticity`"],
+    );
+    let bent = "[surface.bending]\nmethod = \"B\"\nmodulus = 1\n";
+    refused(
+        &renewed(&with(bent)).replace("remesh", "boundary = \"hinged\"\nremesh"),
+        [9, 10],
+        &["the edge of \"cell\" is supported, and its vertices have to stay"],
+    );
+    refused(
+        &renewed(&with(bent))
+            .replace("[driver]", "[driver]\nviscosity = 1\nduration = 1")
+            .replace("relax", "boundary-integral"),
+        [10, 10],
+        &["only the driver \"relax\" makes new meshes"],
+    );
+    refused(
+        &with(bent).replace("vertices = 642", "vertices = 642\nremesh = {}"),
+        [8, 10],
+        &["neither `edge` nor `vertices` nor `curvature` nor `error`"],
+    );
     refused_effect(
         &format!("{elastic}reference = {{ shape = \"torus:2,1\" }}"),
         [14, 23],
