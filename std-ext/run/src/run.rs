@@ -375,7 +375,9 @@ impl Run<'_> {
     fn measure(&mut self) -> Result<bool, RunError> {
         let (scene, simulation) = (self.scene, &mut self.simulation);
         let changed = self.remesher.measure(scene, simulation, &mut *self.drive)?;
-        self.measures.meshes_changed(scene, &self.simulation);
+        if changed {
+            self.measures.meshes_changed(scene, &self.simulation);
+        }
         Ok(changed)
     }
 

@@ -29,8 +29,8 @@ const WORN: f64 = 26.0;
 /// The part of the smallest angle after an event below which the next is due, if the new mesh is not better than [`WORN`].
 const FARTHER: f64 = 0.8;
 
-/// The ratio between the vertices that a surface is to have for its area and those that it has, or its inverse, above which
-/// a mesh is replaced.
+/// The ratio between the numbers of vertices that a surface is to have for its area, now and with its present mesh, or its
+/// inverse, above which a mesh is replaced.
 const GROWN: f64 = 1.25;
 
 /// The part of the difference between the smooth surface and its flat triangles by which held areas and volumes may be off:
@@ -89,8 +89,9 @@ struct SurfaceState {
     mesh: Option<StoredMesh>,
     /// The smallest angle, in degrees, below which an event is due.
     limit: f64,
-    /// The number of the driver's progress at the last attempt.
-    attempt: Option<u64>,
+    /// The number of the driver's progress at the last attempt, and the number of vertices that was to be made for the
+    /// area.
+    attempt: Option<(u64, f64)>,
 }
 
 /// The state of all surfaces.
@@ -121,15 +122,14 @@ struct Wanted {
 }
 
 impl Wanted {
-    /// The number of vertices that a surface of this area is to have, if it depends on the area alone.
-    fn vertices_of(self, area: f64) -> Option<usize> {
+    /// The number of vertices that a surface of this area is to have; NaN if it depends on more than the area.
+    fn vertices_of(self, area: f64) -> f64 {
         match self.edges {
-            Remesh::Auto => {
-                let count = self.vertices as f64 * area / self.area;
-                Some((count.round() as usize).max(FEWEST))
-            }
-            Remesh::Vertices(count) => Some(count),
-            Remesh::Edge(_) | Remesh::Curvature(_) | Remesh::Error(_) => None,
+            Remesh::Auto => self.vertices as f64 * area / self.area,
+            Remesh::Vertices(count) => count as f64,
+            // Each vertex of equilateral triangles has the area √3/2 l².
+            Remesh::Edge(length) => 2.0 / 3.0_f64.sqrt() * area / (length * length),
+            Remesh::Curvature(_) | Remesh::Error(_) => f64::NAN,
         }
     }
 
@@ -142,7 +142,12 @@ impl Wanted {
                 Remesh::Curvature(angle) => EdgeLengths::ByCurvature(angle.to_radians()),
                 Remesh::Error(part) => EdgeLengths::ByError(part),
             },
-            vertices: self.vertices_of(area),
+            vertices: match self.edges {
+                Remesh::Auto | Remesh::Vertices(_) => {
+                    Some((self.vertices_of(area).round() as usize).max(FEWEST))
+                }
+                Remesh::Edge(_) | Remesh::Curvature(_) | Remesh::Error(_) => None,
+            },
             // A membrane that bends has none, and narrow triangles are no reason to keep some.
             creases: PI,
             noise: OfNoise::Kept,
@@ -252,10 +257,17 @@ impl Remesher {
         let is_due = |(index, (body, state)): (usize, (&Body, &SurfaceState))| {
             let wanted = self.wanted[index]?;
             let surface = body.surface(positions)?;
-            let count = body.mesh().vertex_count() as f64;
-            let ratio = wanted.vertices_of(surface.area());
-            let ratio = ratio.map_or(1.0, |wanted| wanted as f64 / count);
-            let is_due = ratio.max(ratio.recip()) > GROWN || smallest_angle(surface) < state.limit;
+            let count = match state.attempt {
+                Some((_, count)) => count,
+                None => body.mesh().vertex_count() as f64,
+            };
+            let ratio = wanted.vertices_of(surface.area()) / count;
+            // The first mesh knows nothing of lengths that depend on more than the area.
+            let grown = match ratio.is_nan() {
+                true => state.attempt.is_none(),
+                false => ratio.max(ratio.recip()) > GROWN,
+            };
+            let is_due = grown || smallest_angle(surface) < state.limit;
             is_due.then_some(index)
         };
         bodies.enumerate().filter_map(is_due).collect()
@@ -264,7 +276,7 @@ impl Remesher {
     /// Whether a mesh that cannot go on can be replaced: something has changed since the last attempt.
     pub(super) fn can_replace(&self, surface: usize, drive: &dyn Drive) -> bool {
         let attempt = self.state.surfaces[surface].attempt;
-        self.renews(surface) && attempt != Some(drive.mark().number)
+        self.renews(surface) && attempt.is_none_or(|(number, _)| number != drive.mark().number)
     }
 
     /// Replaces the meshes of these surfaces, as far as that is possible. False if `interrupted` has ended the work: the
@@ -286,9 +298,14 @@ impl Remesher {
             let geometry = scene.surfaces[index].effects.geometry(&scene.driver);
             let measured = measured(simulation, index, geometry, &before);
             let made = new_mesh(wanted, &simulation.bodies()[index], &before, interrupted);
+            if matches!(made, Err(RemeshError::Interrupted)) {
+                return Ok(false);
+            }
+            let area = simulation.bodies()[index].surface(&before);
+            let area = area.map_or(f64::NAN, |surface| surface.area());
+            self.state.surfaces[index].attempt = Some((mark.number, wanted.vertices_of(area)));
             let made = match made {
                 Ok(made) => made,
-                Err(RemeshError::Interrupted) => return Ok(false),
                 Err(error) => {
                     self.refused(index, simulation, drive, &error.to_string(), measured.angle);
                     continue;
@@ -307,7 +324,6 @@ impl Remesher {
             let state = &mut self.state.surfaces[index];
             state.mesh = Some(stored);
             state.limit = WORN.min(FARTHER * after.angle);
-            state.attempt = Some(mark.number);
             self.state.events.push(Remeshing {
                 surface: scene.surfaces[index].name.clone(),
                 at: mark.time,
@@ -376,7 +392,6 @@ impl Remesher {
     ) {
         let state = &mut self.state.surfaces[index];
         state.limit = FARTHER * angle;
-        state.attempt = Some(drive.mark().number);
         let name = simulation.bodies()[index].name();
         let what = format!("\"{name}\" keeps its mesh");
         if !self.state.notes.iter().any(|note| note.contains(&what)) {

@@ -241,3 +241,29 @@ fn components_keep_their_volumes() {
         tolerance::HELD.assert(volume, told[0], told[0], "volume");
     }
 }
+
+/// Lengths of edges count from the start, and every way to give them leads to a mesh like it.
+#[test]
+fn edges_have_the_lengths_of_the_scene() {
+    let folder = TempDir::new().expect("a folder");
+    // A vertex has √3/2 l² of the area, 11.6 or a little more. The largest curvature is 1/0.8 at the equator and 1.3/0.8²
+    // at the poles. Errors of H of 642 vertices are far less than asked for.
+    let cases = [
+        ("{ edge = 0.1 }", 1330..1560),
+        ("{ vertices = 1000 }", 1000..1001),
+        ("{ curvature = 20 }", 171..452),
+        ("{ error = 0.05 }", 40..500),
+    ];
+    for (index, (edges, expected)) in cases.into_iter().enumerate() {
+        let text = prolate("gompper-kroll", "")
+            .replace("0.5216,0.5216,2.3932", "0.8,0.8,1.3")
+            .replace(", reduced = 0.651", "")
+            .replace("\"auto\"", edges)
+            .replace("iterations = 500", "iterations = 3");
+        let out = folder.path().join(index.to_string());
+        let summary = runs(&text, folder.path(), &out, false, usize::MAX);
+        let count = column(&out, "vertices")[0] as usize;
+        assert!(expected.contains(&count), "{edges}: {count}");
+        assert_eq!(summary.remeshings.len(), 1, "{edges}");
+    }
+}
