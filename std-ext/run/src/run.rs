@@ -232,7 +232,7 @@ pub fn check(
 fn plan<'a>(
     scene: &'a Scene,
     simulation: &mut Simulation,
-    positions: Vec<[f64; 3]>,
+    mut positions: Vec<[f64; 3]>,
     state: Option<(DriveState, RemeshingState)>,
 ) -> Result<PlannedRun<'a>, RunError> {
     files::refuse_pictures(&scene.output)?;
@@ -243,6 +243,7 @@ fn plan<'a>(
         Some((state, remeshing)) => {
             remesher.resume(scene, simulation, remeshing)?;
             measures.meshes_changed(scene, simulation);
+            positions = remesher.references();
             Some(state)
         }
         None => None,

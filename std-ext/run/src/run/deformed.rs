@@ -132,6 +132,17 @@ impl Deformed {
         }
     }
 
+    /// Must be called when surfaces have got new meshes, with their positions.
+    pub(super) fn meshes_changed(&mut self, simulation: &Simulation, positions: &[[f64; 3]]) {
+        for (turning, body) in self.turning.iter_mut().zip(simulation.bodies()) {
+            if let (Some(turning), Some(surface)) = (turning, body.surface(positions))
+                && let Some(deformation) = Deformation::new(surface)
+            {
+                turning.on_new_mesh(surface, &deformation);
+            }
+        }
+    }
+
     pub(super) fn columns(&self, simulation: &Simulation) -> Vec<String> {
         let mut columns = Vec::new();
         for body in simulation.bodies().iter().filter(|body| is_closed(body)) {

@@ -59,10 +59,8 @@ impl<'a> Flowing<'a> {
         positions: Vec<[f64; 3]>,
     ) -> Result<Self, RunError> {
         let positions = start(simulation, positions);
-        let mut suspension = suspension(scene, driver, simulation, &positions);
-        let solves = suspension.has_contrast() || simulation.are_viscous();
-        let precision = precision(&suspension, solves);
-        let settings = settings(driver, simulation, &positions, precision);
+        let (mut suspension, solves, settings) =
+            Self::prepare(scene, driver, simulation, &positions);
         let progress = FlowingProgress {
             deformed: Deformed::new(driver.flow.plane(), simulation, &positions),
             outputs: 0,
@@ -102,10 +100,8 @@ impl<'a> Flowing<'a> {
         state: FlowingState,
     ) -> Result<Self, RunError> {
         let positions = start(simulation, positions);
-        let mut suspension = suspension(scene, driver, simulation, &positions);
-        let solves = suspension.has_contrast() || simulation.are_viscous();
-        let precision = precision(&suspension, solves);
-        let settings = settings(driver, simulation, &positions, precision);
+        let (mut suspension, solves, settings) =
+            Self::prepare(scene, driver, simulation, &positions);
         suspension.set_recent(state.recent);
         let integrator = Integrator::resume(state.integrator, settings)?;
         let clock = Clock::new(scene, &driver.flow, driver.duration);
@@ -120,6 +116,21 @@ impl<'a> Flowing<'a> {
             report: None,
             progress: state.progress,
         })
+    }
+
+    /// The suspension and the settings of the integration for surfaces at these positions, which define the volumes to be
+    /// kept.
+    fn prepare(
+        scene: &Scene,
+        driver: BoundaryIntegral,
+        simulation: &Simulation,
+        positions: &[[f64; 3]],
+    ) -> (Suspension, bool, Settings) {
+        let suspension = suspension(scene, driver, simulation, positions);
+        let solves = suspension.has_contrast() || simulation.are_viscous();
+        let precision = precision(&suspension, solves);
+        let settings = settings(driver, simulation, positions, precision);
+        (suspension, solves, settings)
     }
 
     /// Matrix products of the linear solutions since the start.
@@ -266,6 +277,23 @@ impl Drive for Flowing<'_> {
 
     fn positions(&self) -> &[[f64; 3]] {
         self.integrator.positions()
+    }
+
+    fn replace_meshes(
+        &mut self,
+        simulation: &mut Simulation,
+        references: Vec<[f64; 3]>,
+        positions: Vec<[f64; 3]>,
+    ) -> Result<(), RunError> {
+        let references = start(simulation, references);
+        self.progress.products = self.products();
+        let (suspension, _, settings) =
+            Self::prepare(self.scene, self.driver, simulation, &references);
+        self.suspension = suspension;
+        self.integrator = self.integrator.on_new_positions(positions, settings)?;
+        let positions = self.integrator.positions();
+        self.progress.deformed.meshes_changed(simulation, positions);
+        Ok(())
     }
 
     fn step(&mut self, simulation: &mut Simulation) -> Result<Step, RunError> {

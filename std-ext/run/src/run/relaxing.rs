@@ -367,6 +367,7 @@ impl Drive for Relaxing {
     fn replace_meshes(
         &mut self,
         simulation: &mut Simulation,
+        _references: Vec<[f64; 3]>,
         positions: Vec<[f64; 3]>,
     ) -> Result<(), RunError> {
         if let Some(approach) = &self.progress.approach {

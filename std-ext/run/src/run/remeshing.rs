@@ -107,6 +107,8 @@ pub(super) struct RemeshingState {
 pub(super) struct Remesher {
     /// The edges of each surface that is to have new meshes.
     wanted: Vec<Option<Wanted>>,
+    /// The initial positions of each surface.
+    starts: Vec<Vec<[f64; 3]>>,
     state: RemeshingState,
 }
 
@@ -184,8 +186,13 @@ impl Remesher {
             limit: WORN,
             attempt: None,
         };
+        let wanted = wanted.collect();
+        let bodies = simulation.bodies().iter();
         Self {
-            wanted: wanted.collect(),
+            wanted,
+            starts: bodies
+                .map(|body| positions[body.vertices()].to_vec())
+                .collect(),
             state: RemeshingState {
                 surfaces: vec![state; scene.surfaces.len()],
                 ..RemeshingState::default()
@@ -217,6 +224,16 @@ impl Remesher {
         }
         self.state = state;
         Ok(())
+    }
+
+    /// The positions with which each surface got its present mesh.
+    pub(super) fn references(&self) -> Vec<[f64; 3]> {
+        let surfaces = self.state.surfaces.iter().zip(&self.starts);
+        let own = surfaces.map(|(state, start)| {
+            let mesh = state.mesh.as_ref();
+            mesh.map_or(&start[..], |mesh| &mesh.positions)
+        });
+        Vec::from_iter(own).concat()
     }
 
     /// The state to store.
@@ -319,10 +336,11 @@ impl Remesher {
                 continue;
             }
             let (first, rest) = (&before[..vertices.start], &before[vertices.end..]);
-            drive.replace_meshes(simulation, [first, &positions, rest].concat())?;
+            self.state.surfaces[index].mesh = Some(stored);
+            let all = [first, &positions, rest].concat();
+            drive.replace_meshes(simulation, self.references(), all)?;
             let after = self::measured(simulation, index, geometry, drive.positions());
             let state = &mut self.state.surfaces[index];
-            state.mesh = Some(stored);
             state.limit = WORN.min(FARTHER * after.angle);
             self.state.events.push(Remeshing {
                 surface: scene.surfaces[index].name.clone(),
@@ -376,7 +394,7 @@ impl Remesher {
         }
         if changed {
             let positions = drive.positions().to_vec();
-            drive.replace_meshes(simulation, positions)?;
+            drive.replace_meshes(simulation, self.references(), positions)?;
         }
         Ok(changed)
     }
@@ -518,7 +536,7 @@ fn holds_triangles(surface: &SurfaceScene, driver: &Driver) -> bool {
     let area = effects.area.is_some_and(|area| area.hold.is_exact());
     let volume = effects.volume.is_some_and(|volume| volume.hold.is_exact());
     let is_flat = [geometry.area, geometry.volume] == [AnyFunctional::Area, AnyFunctional::Volume];
-    is_flat && (area || volume)
+    matches!(driver, Driver::Relax(_)) && is_flat && (area || volume)
 }
 
 /// The least and the largest of some numbers.

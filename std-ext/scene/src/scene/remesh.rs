@@ -122,11 +122,9 @@ impl Builder<'_> {
                  `boundary = \"free\"`"
             ));
         }
-        if let Some(driver) = driver
-            && !matches!(driver, Driver::Relax(_))
-        {
+        if matches!(driver, Some(Driver::LatticeBoltzmann(_))) {
             refuse(format!(
-                "only the driver \"relax\" makes new meshes: leave the `remesh` of \"{name}\" out; in a flow `redistribution` \
+                "the driver \"lattice-boltzmann\" makes no new meshes: leave the `remesh` of \"{name}\" out; `redistribution` \
                  keeps meshes even as long as it can"
             ));
         }

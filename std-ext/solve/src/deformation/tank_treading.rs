@@ -101,6 +101,15 @@ impl TankTreading {
         vertices
     }
 
+    /// Continues on a new mesh of the surface at the same time: follows its vertices from where they are. Markers that move
+    /// with the velocities of the material stay where they are.
+    pub fn on_new_mesh(&mut self, surface: Surface<'_, f64>, deformation: &Deformation) {
+        self.vertices = Self::near(self.plane, surface, deformation);
+        if self.rates.is_empty() {
+            self.phases = self.phases_of(surface, deformation);
+        }
+    }
+
     /// Follows the surface to a later time. Between two calls no vertex may rotate by half a turn about
     /// the centroid, nor the long axis by a quarter turn: a strain of one between calls, γ̇ Δt ≤ 1, is
     /// safe.

@@ -165,6 +165,23 @@ impl Integrator {
         })
     }
 
+    /// The integration continued from other positions at the same time, such as those of new meshes, with the numbers of
+    /// steps and evaluations so far.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn on_new_positions(
+        &self,
+        positions: Vec<[f64; 3]>,
+        settings: Settings,
+    ) -> Result<Self, SetupError> {
+        let mut new = Self::new(positions, self.state.time, settings)?;
+        new.state.accepted = self.state.accepted;
+        new.state.rejected = self.state.rejected;
+        new.state.evaluations = self.state.evaluations;
+        Ok(new)
+    }
+
     /// The state to store so that the run can be continued.
     pub fn state(&self) -> &State {
         &self.state

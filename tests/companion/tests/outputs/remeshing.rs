@@ -267,3 +267,55 @@ fn edges_have_the_lengths_of_the_scene() {
         assert_eq!(summary.remeshings.len(), 1, "{edges}");
     }
 }
+
+/// A drop above the critical capillary number is drawn out without end: its mesh grows with its area, its volume stays, and
+/// a run that is interrupted has the same bits, the tank-treading included.
+#[test]
+fn drops_are_drawn_out_on_new_meshes() {
+    let text = r#"
+units = "none"
+[[surface]]
+name = "drop"
+shape = "sphere:1"
+vertices = 162
+remesh = "auto"
+tension.value = 1
+[driver]
+kind = "boundary-integral"
+viscosity = 1
+flow = { kind = "shear", rate = 0.8 }
+strain = 5
+[output]
+strain_interval = 0.5
+checkpoint_every = 3
+files_every = 100000
+pictures = false
+"#;
+    let folder = TempDir::new().expect("a folder");
+    let [whole, parts] = ["whole", "parts"].map(|name| folder.path().join(name));
+    let summary = runs(text, folder.path(), &whole, false, usize::MAX);
+    assert_eq!(summary.end, End::Completed, "{}", summary.message);
+    assert!(!summary.remeshings.is_empty());
+    let last = |name: &str| *column(&whole, name).last().expect("a row");
+    assert!(last("deformation") > 0.7 && last("vertices") > 200.0);
+    assert!(
+        column(&whole, "smallest_angle")
+            .iter()
+            .all(|&angle| angle > 20.0)
+    );
+    for volume in column(&whole, "volume") {
+        let first = column(&whole, "volume")[0];
+        assert!((volume / first - 1.0).abs() < 1e-12, "{volume} {first}");
+    }
+    let mut end = runs(text, folder.path(), &parts, false, 4).end;
+    let mut stops = 0;
+    while end == End::Interrupted {
+        stops += 1;
+        end = runs(text, folder.path(), &parts, true, 4 + 3 * stops).end;
+    }
+    assert!(stops > 2 && end == End::Completed, "{stops}");
+    let file = |out: &Path, name: &str| fs::read(out.join(name)).expect("a file");
+    for name in ["series.csv", "last.vtp"] {
+        assert!(file(&whole, name) == file(&parts, name), "{name} differs");
+    }
+}

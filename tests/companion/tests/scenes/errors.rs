@@ -452,10 +452,13 @@ fn contradictions_of_elasticity_and_targets_are_refused() {
     );
     refused(
         &renewed(&with(bent))
-            .replace("[driver]", "[driver]\nviscosity = 1\nduration = 1")
-            .replace("relax", "boundary-integral"),
-        [10, 10],
-        &["only the driver \"relax\" makes new meshes"],
+            .replace(
+                "[driver]",
+                "[driver]\nviscosity = 1\nduration = 1\nspacing = 0.5\nbox = [8, 8, 8]",
+            )
+            .replace("relax", "lattice-boltzmann"),
+        [12, 10],
+        &["the driver \"lattice-boltzmann\" makes no new meshes"],
     );
     refused(
         &with(bent).replace("vertices = 642", "vertices = 642\nremesh = {}"),
