@@ -75,7 +75,8 @@ fn regular_count(vertices: usize) -> usize {
 
 /// Remedy for a surface whose triangles do not allow a further step.
 pub(super) fn of_mesh(surface: &SurfaceScene) -> String {
-    if surface.remesh.is_none() && surface.can_have_new_meshes() {
+    let may_close = surface.effects.line_tension.is_some();
+    if surface.remesh.is_none() && surface.can_have_new_meshes() && !may_close {
         return "give the surface `remesh = \"auto\"`: it then gets a new mesh whenever triangles have become narrow"
             .to_owned();
     }
