@@ -320,6 +320,11 @@ impl Run<'_> {
             if !self.replace_worn(interrupted)? {
                 return self.interrupted();
             }
+            if let Some(message) = self.remesher.worn_out(&*self.drive) {
+                // The last checkpoint is of a state that could go on.
+                self.write(true)?;
+                return Ok((End::Failed, message));
+            }
             if self.remesher.measures(&*self.drive) {
                 self.measure()?;
             }

@@ -29,6 +29,10 @@ const WORN: f64 = 26.0;
 /// The part of the smallest angle after an event below which the next is due, if the new mesh is not better than [`WORN`].
 const FARTHER: f64 = 0.8;
 
+/// The smallest angle of a new mesh, in degrees, below which it does not resolve the surface: even ones have four times as
+/// much.
+const HOPELESS: f64 = 10.0;
+
 /// The ratio between the numbers of vertices that a surface is to have for its area, now and with its present mesh, or its
 /// inverse, above which a mesh is replaced.
 const GROWN: f64 = 1.25;
@@ -359,6 +363,22 @@ impl Remesher {
     pub(super) fn measures(&self, drive: &dyn Drive) -> bool {
         let number = drive.mark().number;
         number > 0 && number.is_multiple_of(MEASURED)
+    }
+
+    /// The reason why the run cannot go on, if the last new mesh does not resolve its surface.
+    pub(super) fn worn_out(&self, drive: &dyn Drive) -> Option<String> {
+        let Remeshing {
+            surface,
+            smallest_angle: [_, angle],
+            ..
+        } = self.state.events.last()?;
+        (*angle < HOPELESS).then(|| {
+            format!(
+                "mesh worn out at {}: a new mesh of \"{surface}\" has an angle of {angle:.1}°, because edges are as long as \
+                 the surface is thick, as at a neck: choose more vertices, or `remesh.curvature`",
+                drive.caption()
+            )
+        })
     }
 
     /// Measures anew how much more than its flat triangles the smooth surface has; false if that is as it was, to

@@ -319,3 +319,20 @@ pictures = false
         assert!(file(&whole, name) == file(&parts, name), "{name} differs");
     }
 }
+
+/// Forty vertices do not resolve a needle, and the run says so instead of going on.
+#[test]
+fn a_mesh_that_does_not_resolve_its_surface_ends_the_run() {
+    let text = prolate("gompper-kroll", "")
+        .replace("0.5216,0.5216,2.3932", "0.1,0.1,3")
+        .replace(", reduced = 0.651", "")
+        .replace("\"auto\"", "{ vertices = 40 }");
+    let folder = TempDir::new().expect("a folder");
+    let out = folder.path().join("out");
+    let summary = runs(&text, folder.path(), &out, false, usize::MAX);
+    assert_eq!(summary.end, End::Failed, "{}", summary.message);
+    for part in ["mesh worn out at iteration", "choose more vertices"] {
+        assert!(summary.message.contains(part), "{}", summary.message);
+    }
+    assert!(out.join("last.vtp").exists());
+}
