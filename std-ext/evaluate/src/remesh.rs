@@ -121,11 +121,11 @@ pub struct MeshRequest {
     pub vertices: Option<usize>,
     /// The angle between triangles, in radians, above which their edge is a crease.
     pub creases: f64,
-    /// What happens to noise of the positions.
+    /// The treatment of noise of the positions.
     pub noise: OfNoise,
 }
 
-/// What happens to noise of the positions of a surface that is to have a new mesh.
+/// The treatment of noise of the positions of a surface that is to have a new mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OfNoise {
     /// Noise that would be considerable bumps of the new mesh is an error.

@@ -318,13 +318,17 @@ impl Remesher {
             };
             let geometry = scene.surfaces[index].effects.geometry(&scene.driver);
             let measured = measured(simulation, index, geometry, &before);
-            let made = new_mesh(wanted, &simulation.bodies()[index], &before, interrupted);
+            let body = &simulation.bodies()[index];
+            // A driver keeps the last positions that are finite.
+            let Some(surface) = body.surface(&before) else {
+                continue;
+            };
+            let made = new_mesh(wanted, body, surface, interrupted);
             if matches!(made, Err(RemeshError::Interrupted)) {
                 return Ok(false);
             }
-            let area = simulation.bodies()[index].surface(&before);
-            let area = area.map_or(f64::NAN, |surface| surface.area());
-            self.state.surfaces[index].attempt = Some((mark.number, wanted.vertices_of(area)));
+            let count = wanted.vertices_of(surface.area());
+            self.state.surfaces[index].attempt = Some((mark.number, count));
             let made = match made {
                 Ok(made) => made,
                 Err(error) => {
@@ -440,7 +444,7 @@ impl Remesher {
 }
 
 /// Measures of a surface before or after an event.
-struct Measured {
+struct SurfaceMeasures {
     vertices: usize,
     angle: f64,
     energy: f64,
@@ -453,14 +457,14 @@ fn measured(
     index: usize,
     geometry: Geometry,
     positions: &[[f64; 3]],
-) -> Measured {
+) -> SurfaceMeasures {
     let acting = simulation.resolve(positions);
     let body = &simulation.bodies()[index];
     let surface = body.surface(positions);
     let mut held = HeldExtents::new(body, geometry);
     let extents = surface.map(|surface| extents(surface, held.as_mut()));
     let [area, volume] = extents.unwrap_or([f64::NAN; 2]);
-    Measured {
+    SurfaceMeasures {
         vertices: body.mesh().vertex_count(),
         angle: surface.map_or(f64::NAN, smallest_angle),
         energy: acting.iter().map(|acting| acting.energy).sum(),
@@ -473,10 +477,9 @@ fn measured(
 fn new_mesh(
     wanted: Wanted,
     body: &Body,
-    positions: &[[f64; 3]],
+    surface: Surface<'_, f64>,
     interrupted: &dyn Fn() -> bool,
 ) -> Result<BodyMesh, RemeshError> {
-    let surface = body.surface(positions).ok_or(RemeshError::Interrupted)?;
     let request = wanted.request(surface.area());
     let NewMesh {
         smooth, mut made, ..
