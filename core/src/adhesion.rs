@@ -44,12 +44,13 @@ pub struct WallAdhesionMemory<T> {
     energies: Vec<T>,
 }
 
-/// Contributions to the corners of a triangle: `−V̄ ∂A/∂x_i − A/3 V′_i n`.
-struct Pull<T> {
-    normal: [T; 3],
+/// Forces on the corners of a triangle of a potential V per area that depends on the place along a direction n, given as V
+/// and −V′ at the vertices: `−V̄ ∂A/∂x_i − A/3 V′_i n`.
+pub(crate) struct PotentialForce<T> {
+    pub(crate) direction: [T; 3],
 }
 
-impl<T: Real> ElementKernel<T, 3, 2, 3> for Pull<T> {
+impl<T: Real> ElementKernel<T, 3, 2, 3> for PotentialForce<T> {
     #[inline(always)]
     fn evaluate(
         &self,
@@ -63,7 +64,7 @@ impl<T: Real> ElementKernel<T, 3, 2, 3> for Pull<T> {
         let third = T::constant(1.0 / 6.0) * triangle.doubled_area;
         core::array::from_fn(|corner| {
             let [_, slope] = potentials[corner];
-            add(shrink[corner], scale(third * slope, self.normal))
+            add(shrink[corner], scale(third * slope, self.direction))
         })
     }
 }
@@ -141,8 +142,8 @@ impl<T: Real> TwoPass for WallAdhesion<T> {
         memory: &mut WallAdhesionMemory<T>,
         force: &mut [[T; 3]],
     ) {
-        let kernel = Pull {
-            normal: self.normal,
+        let kernel = PotentialForce {
+            direction: self.normal,
         };
         let (triangles, potentials) = (memory.triangles.all(), &memory.potentials);
         execution.scatter(&kernel, surface, triangles, potentials, force);

@@ -34,7 +34,7 @@
 //!   [`LineTension`] and [`GaussianBending`]), and [`Constraints`] hold them exactly.
 //! * [`GaussianDomains`] and [`BorderTension`] are energies of parts of a membrane with other
 //!   parameters.
-//! * [`Gravity`], [`PointLoads`] and [`WallAdhesion`] are external forces. [`Repulsion`] is an
+//! * [`Gravity`], [`PointLoads`], [`EndPull`] and [`WallAdhesion`] are external forces. [`Repulsion`] is an
 //!   [`Interaction`], which acts between surfaces. [`MembraneViscosity`] is a [`Dissipation`],
 //!   which depends on velocities.
 //! * The sum of two methods is the pair `(a, b)`; longer sums nest. [`Prepared`] holds a method with
@@ -77,6 +77,7 @@ mod domains;
 pub mod edit;
 pub mod elasticity;
 pub mod element;
+mod end_pull;
 mod face_tree;
 mod fit;
 pub mod functional;
@@ -125,6 +126,7 @@ pub use dissipation::{Dissipation, MembraneViscosity};
 pub use domains::{BorderTension, GaussianDomains, GaussianDomainsMemory};
 pub use elasticity::{InPlane, LocalArea, NeoHookean, ReferenceError, Skalak, StrainEnergy};
 pub use element::{Execution, Serial};
+pub use end_pull::{EndPull, EndPullMemory};
 pub use face_tree::MeshPoint;
 pub use functional::{
     AnyFunctional, BoundaryLength, EnclosedVolume, Functional, PatchFunctional, TotalArea,

@@ -9,11 +9,11 @@ use crate::execute::Parallel;
 use crate::method::{BendingMethod, MethodOptions, Settings, Visitor, choose};
 use helfrich::{
     AnyFunctional, AreaDifference, BorderTension, Components, Conservative, Constraint, Cotangent,
-    Curvatures, DualArea, Energy, Finding, ForceDensity, GaussianBending, GaussianDomains, Gravity,
-    InPlane, LaplaceBeltrami, LineTension, LocalArea, MaterialParameter, MembraneViscosity, Method,
-    NeoHookean, OsmoticPressure, ParameterError, Penalty, PointLoads, Prepared, Projected,
-    ReferenceError, RigidBody, Skalak, StrainEnergy, StrongForm, Surface, SurfaceTension, Targets,
-    TriangleMesh, WallAdhesion, remove_net_force_and_torque,
+    Curvatures, DualArea, EndPull, Energy, Finding, ForceDensity, GaussianBending, GaussianDomains,
+    Gravity, InPlane, LaplaceBeltrami, LineTension, LocalArea, MaterialParameter,
+    MembraneViscosity, Method, NeoHookean, OsmoticPressure, ParameterError, Penalty, PointLoads,
+    Prepared, Projected, ReferenceError, RigidBody, Skalak, StrainEnergy, StrongForm, Surface,
+    SurfaceTension, Targets, TriangleMesh, WallAdhesion, remove_net_force_and_torque,
 };
 use std::fmt;
 use std::time::{Duration, Instant};
@@ -192,6 +192,7 @@ macro_rules! potentials {
 potentials! {
     AreaDifference<f64>,
     BorderTension<f64>,
+    EndPull<f64>,
     GaussianBending<f64>,
     GaussianDomains<f64>,
     Gravity<f64>,

@@ -1,7 +1,7 @@
 //! Constant forces on vertices.
 
 use autodiff::F1;
-use helfrich::{LoadError, PointLoads, Prepared, Surface};
+use helfrich::{EndPull, LoadError, PointLoads, Prepared, Surface};
 use helfrich_tests::laws::{check_gradient, energy, forces, with_derivatives};
 use helfrich_tests::meshes::{GENERIC, dot, rotation};
 use helfrich_tests::meshes::{Mesh, cases, disc, icosphere, octahedron, turned};
@@ -140,6 +140,91 @@ fn the_force_is_the_gradient() {
     let dual = loads.iter().map(|&(v, f)| (v, f.map(F1::cst))).collect();
     let two = PointLoads::new(&mesh.connectivity, dual).unwrap();
     check_gradient(&one, two, &mesh.connectivity, &mesh.positions);
+}
+
+fn pull<T: From<f64>>(depths: [f64; 2], [force, stiffness, length]: [f64; 3]) -> EndPull<T> {
+    EndPull {
+        axis: ALONG_X.map(T::from),
+        depths: depths.map(T::from),
+        force: force.into(),
+        stiffness: stiffness.into(),
+        length: length.into(),
+    }
+}
+
+/// The force on each end of a unit sphere, and the distance of the ends, in this order.
+fn measured(pull: EndPull<f64>, mesh: &Mesh) -> (f64, f64) {
+    let mut prepared = Prepared::new(pull, &mesh.connectivity);
+    prepared.energy(mesh.surface());
+    prepared.with(|pull, _, workspace| pull.measured(workspace))
+}
+
+#[test]
+fn the_pull_on_ends_is_the_gradient() {
+    let mesh = icosphere(1);
+    // An axis of symmetry, so that there is no torque.
+    let axis = mesh.positions[0];
+    for numbers in [[0.7, 0.0, 0.0], [0.0, 2.0, 3.5], [-0.3, 2.0, 1.0]] {
+        let (one, two) = (pull([0.2, 0.7], numbers), pull([0.2, 0.7], numbers));
+        let (one, two) = (
+            EndPull { axis, ..one },
+            EndPull {
+                axis: axis.map(F1::cst),
+                ..two
+            },
+        );
+        check_gradient(&one, two, &mesh.connectivity, &mesh.positions);
+    }
+}
+
+/// The integral over a unit sphere is exact: `∫ exp(x/ℓ) dS = 2π ℓ (exp(1/ℓ) − exp(−1/ℓ))`, so that with ℓ ≪ 1 the distance
+/// is `2 + ℓ ln(1/ℓ) + ℓ′ ln(1/ℓ′)`. Triangles have an error of second order.
+#[test]
+fn ends_of_a_sphere_are_as_far_apart_as_its_outermost_points() {
+    let depths: [f64; 2] = [0.05, 0.2];
+    let expected = 2.0 - depths.iter().map(|depth| depth * depth.ln()).sum::<f64>();
+    let errors = [3, 4, 5].map(|level| {
+        let (force, distance) = measured(pull(depths, [0.0, 2.0, 3.0]), &icosphere(level));
+        assert_eq!(force, 2.0 * (3.0 - distance));
+        (distance - expected).abs()
+    });
+    assert!(errors[2] < 1e-3, "{errors:?}");
+    for pair in errors.windows(2) {
+        // 4 for the second order; the leading terms are not yet alone.
+        assert!((3.5..4.5).contains(&(pair[0] / pair[1])), "{errors:?}");
+    }
+}
+
+/// The force on an end is the whole force, however many vertices are there, and normal to the surface: its part along the
+/// surface is an error of the triangles, of first order.
+#[test]
+fn ends_are_pulled_by_the_whole_force_along_the_normals() {
+    let across = [3, 4, 5].map(|level| {
+        let mesh = icosphere(level);
+        let force = forces(
+            pull([0.05; 2], [0.7, 0.0, 0.0]),
+            &mesh.connectivity,
+            &mesh.positions,
+        );
+        for end in [1.0, -1.0] {
+            let own = force.iter().zip(&mesh.positions);
+            let own = own.filter(|(_, at)| end * at[0] > 0.0);
+            let sum: f64 = own.map(|(force, _)| end * force[0]).sum();
+            assert!((sum / 0.7 - 1.0).abs() < 1e-7, "{sum}");
+        }
+        let parts = force.iter().zip(&mesh.positions).map(|(&force, &at)| {
+            let along = dot(force, at);
+            let rest = [0, 1, 2].map(|k| force[k] - along * at[k]);
+            [along.abs(), dot(rest, rest).sqrt()]
+        });
+        let [normal, tangential] = parts.fold([0.0; 2], |[a, b], [c, d]| [a + c, b + d]);
+        tangential / normal
+    });
+    assert!(across[2] < 0.03, "{across:?}");
+    assert!(
+        across[1] < 0.6 * across[0] && across[2] < 0.6 * across[1],
+        "{across:?}"
+    );
 }
 
 /// Among vertices at equal coordinates, the one with the lower number counts as farther back, so that the

@@ -1,7 +1,7 @@
 //! Parameters of effects that are not finite are refused and named.
 
 use helfrich::{
-    AnyFunctional, AreaDifference, Gravity, MembraneViscosity, Method, OsmoticPressure,
+    AnyFunctional, AreaDifference, EndPull, Gravity, MembraneViscosity, Method, OsmoticPressure,
     ParameterError, Penalty, PointLoads, Repulsion, SurfaceTension, Targets, WallAdhesion,
 };
 use helfrich::{Images, Interaction, Prepared, Serial};
@@ -73,6 +73,20 @@ fn parameters_that_are_no_numbers_are_refused() {
         refused(wide, "range of the adhesion");
         let load = PointLoads::new(&mesh.connectivity, vec![(0, [1.0; 3])]).expect("a load");
         refused(load.with_level(place), "level of the loads");
+        let depths = [1.0, value];
+        let (axis, force, stiffness, length) = (place, value, value, value);
+        let pull = EndPull {
+            axis: [1.0, 0.0, 0.0],
+            depths: [1.0; 2],
+            force: 1.0,
+            stiffness: 1.0,
+            length: 1.0,
+        };
+        refused(EndPull { axis, ..pull }, "axis of the pull");
+        refused(EndPull { depths, ..pull }, "depth of an end");
+        refused(EndPull { force, ..pull }, "pulling force");
+        refused(EndPull { stiffness, ..pull }, "stiffness of the pull");
+        refused(EndPull { length, ..pull }, "length of the pull");
         let (shear, dilational) = (value, 1.0);
         let viscosity = MembraneViscosity { shear, dilational };
         refused(viscosity, "shear viscosity of the membrane");

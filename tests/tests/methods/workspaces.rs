@@ -3,8 +3,8 @@
 use crate::range::refusal;
 use helfrich::{
     AnyFunctional, AreaDifference, BoundaryLength, Conservative, Constraint, Constraints,
-    ControlPoints, CorrectedCurvature, Curvature, Curvatures, Dissipation, EnclosedVolume, Energy,
-    Force, ForceDensity, Functional, GompperKroll, Gravity, Hamann, InPlane, Juelicher,
+    ControlPoints, CorrectedCurvature, Curvature, Curvatures, Dissipation, EnclosedVolume, EndPull,
+    Energy, Force, ForceDensity, Functional, GompperKroll, Gravity, Hamann, InPlane, Juelicher,
     KantorNelson, LaplaceBeltrami, LoopSubdivision, MaterialParameter, MembraneViscosity, Method,
     NeoHookean, Paraboloid, PatchFunctional, PointLoads, Prepared, Projected, Rows, Serial,
     StrongForm, Surface, Targets, TotalArea, TotalGaussianCurvature, TotalMeanCurvature,
@@ -245,6 +245,16 @@ fn functionals_and_effects_refuse_workspaces_of_other_meshes() {
     let own = &meshes.own.connectivity;
     let loads = PointLoads::new(own, vec![(3, [1.0, 0.0, 0.0])]).expect("a load");
     meshes.check_conservative("loads", &loads);
+    let (axis, depths) = ([1.0, 0.0, 0.0], [0.1; 2]);
+    let (force, stiffness, length) = (1.0, 0.0, 0.0);
+    let pull = EndPull {
+        axis,
+        depths,
+        force,
+        stiffness,
+        length,
+    };
+    meshes.check_conservative("end pull", &pull);
     let law = NeoHookean { shear_modulus: 1.0 };
     let elastic = InPlane::new(law, own, meshes.own.surface()).expect("a reference");
     meshes.check_conservative("in-plane", &elastic);
