@@ -33,6 +33,10 @@ const FARTHER: f64 = 0.8;
 /// much.
 const HOPELESS: f64 = 10.0;
 
+/// The part of the largest angle between triangles after an event above which the next is due, if the new mesh turns by more
+/// than is wanted.
+const TURNED: f64 = 1.3;
+
 /// The ratio between the numbers of vertices that a surface is to have for its area, now and with its present mesh, or its
 /// inverse, above which a mesh is replaced.
 const GROWN: f64 = 1.25;
@@ -93,6 +97,9 @@ struct SurfaceState {
     mesh: Option<StoredMesh>,
     /// The smallest angle, in degrees, below which an event is due.
     limit: f64,
+    /// The largest angle between neighbouring triangles after the last attempt, in degrees, where lengths depend on
+    /// curvature.
+    turn: f64,
     /// The number of the driver's progress at the last attempt, and the number of vertices that was to be made for the
     /// area.
     attempt: Option<(u64, f64)>,
@@ -137,6 +144,23 @@ impl Wanted {
             Remesh::Edge(length) => 2.0 / 3.0_f64.sqrt() * area / (length * length),
             Remesh::Curvature(_) | Remesh::Error(_) => f64::NAN,
         }
+    }
+
+    /// The largest angle between neighbouring triangles, in degrees, if lengths depend on curvature, and the angle by which
+    /// an edge is to turn at most; along a curve, neighbours of equilateral triangles turn by 1/√3 of what an edge does.
+    fn turn(self, surface: Surface<'_, f64>) -> Option<[f64; 2]> {
+        let Remesh::Curvature(angle) = self.edges else {
+            return None;
+        };
+        let mesh = surface.mesh();
+        let turns = (0..mesh.edges().len()).filter_map(|edge| {
+            let (left, right) = mesh.edge_triangles(edge);
+            let [left, right] = [left, right?].map(|triangle| {
+                glam::DVec3::from_array(surface.triangle_normal(triangle as usize))
+            });
+            Some(left.cross(right).length().atan2(left.dot(right)))
+        });
+        Some([turns.fold(0.0, f64::max).to_degrees(), angle])
     }
 
     fn request(self, area: f64) -> MeshRequest {
@@ -188,6 +212,7 @@ impl Remesher {
         let state = SurfaceState {
             mesh: None,
             limit: WORN,
+            turn: 0.0,
             attempt: None,
         };
         let wanted = wanted.collect();
@@ -288,7 +313,10 @@ impl Remesher {
                 true => state.attempt.is_none(),
                 false => ratio.max(ratio.recip()) > GROWN,
             };
-            let is_due = grown || smallest_angle(surface) < state.limit;
+            let turned = wanted.turn(surface);
+            let turned =
+                turned.is_some_and(|[turn, wanted]| turn > wanted.max(TURNED * state.turn));
+            let is_due = grown || turned || smallest_angle(surface) < state.limit;
             is_due.then_some(index)
         };
         bodies.enumerate().filter_map(is_due).collect()
@@ -350,6 +378,9 @@ impl Remesher {
             let after = self::measured(simulation, index, geometry, drive.positions());
             let state = &mut self.state.surfaces[index];
             state.limit = WORN.min(FARTHER * after.angle);
+            let surface = simulation.bodies()[index].surface(drive.positions());
+            let turn = surface.and_then(|surface| wanted.turn(surface));
+            state.turn = turn.map_or(0.0, |[turn, _]| turn);
             self.state.events.push(Remeshing {
                 surface: scene.surfaces[index].name.clone(),
                 at: mark.time,
@@ -432,8 +463,12 @@ impl Remesher {
         reason: &str,
         angle: f64,
     ) {
+        let body = &simulation.bodies()[index];
+        let surface = body.surface(drive.positions());
+        let turn = surface.and_then(|surface| self.wanted[index]?.turn(surface));
         let state = &mut self.state.surfaces[index];
         state.limit = FARTHER * angle;
+        state.turn = turn.map_or(0.0, |[turn, _]| turn);
         let name = simulation.bodies()[index].name();
         let what = format!("\"{name}\" keeps its mesh");
         if !self.state.notes.iter().any(|note| note.contains(&what)) {
