@@ -42,10 +42,10 @@ pub use drivers::{BoundaryIntegral, Driver, Integrator, LatticeBoltzmann, Relax,
 #[doc(hidden)]
 pub use effects::Named;
 pub use effects::{
-    Adhesion, AreaDifferenceTarget, Bending, BorderTension, EffectError, Effects, Elasticity,
+    Adhesion, AreaDifferenceTarget, Bending, BorderTension, EffectError, Effects, Elasticity, Ends,
     GaussianBending, Gravity, Group, HeldArea, HeldAreaDifference, HeldVolume, Hold, InPlaneLaw,
-    LineTension, LocalArea, MembraneViscosity, Pressure, Reference, ReferenceSource, Stretching,
-    Target, Tension, VolumeTarget,
+    LineTension, LocalArea, MembraneViscosity, Pressure, Pull, Reference, ReferenceSource,
+    Stretching, Target, Tension, VolumeTarget,
 };
 pub(crate) use effects::{
     Groups, MeshCheck, Preparation, Stretch, capillary_number, reduced_volume,

@@ -173,10 +173,15 @@ impl Body {
         }
     }
 
-    /// The force on each end, if it is stretched, and the axis, of length 1.
-    pub fn stretching(&self) -> Option<(f64, [f64; 3])> {
-        let stretch = self.stretch.as_ref()?;
-        Some((stretch.force(), stretch.axis()))
+    /// The direction in which it is stretched, of length 1.
+    pub fn stretching_axis(&self) -> Option<[f64; 3]> {
+        Some(self.stretch.as_ref()?.axis())
+    }
+
+    /// The force that stretches this surface, and the distance of its ends unless these are vertices; NaN without the
+    /// surface.
+    pub fn stretching(&self, surface: Option<Surface<'_, f64>>) -> Option<(f64, Option<f64>)> {
+        Some(self.stretch.as_ref()?.measured(surface))
     }
 
     /// Whether vertices may slide along the surface in a flow: the surface is fluid, no vertex is
@@ -267,11 +272,10 @@ impl Simulation {
     pub fn set_load(&mut self, load: usize) {
         for body in &mut self.bodies {
             if let Some(stretch) = &mut body.stretch {
-                let loads = stretch.set(load);
                 let stretching = |effect: &&mut Effect| effect.name() == Stretching::NAME;
                 if let Some(effect) = body.acts.effects.iter_mut().find(stretching) {
                     let mesh = body.ordered.as_ref().map_or(&body.mesh, Ordered::mesh);
-                    effect.replace(loads, mesh);
+                    stretch.set(load, effect, mesh);
                 }
             }
         }

@@ -21,6 +21,12 @@ const VESICLE_ESTIMATE: Tolerance = Tolerance::new(
      has five digits",
 );
 
+/// Force and radius of a tether with 24 edges around, relative.
+const TETHER: Tolerance = Tolerance::new(
+    0.01,
+    "the areas of triangles and Jülicher's energy are of second order, (π/24)² = 1.7 % at the most",
+);
+
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
@@ -466,6 +472,33 @@ fn a_vesicle_becomes_a_dumbbell() {
     assert!((lobes[1] / lobes[0] - 1.0).abs() < 0.01, "{radii:?}");
     let widest = radii.iter().position(|radius| *radius == lobes[0]);
     assert!((2..6).contains(&widest.expect("a lobe")), "{radii:?}");
+}
+
+/// The force is that of theory, 2π √(2κσ) less what the pressure 2σ/R pushes, and the tether has its radius: the r at which
+/// `πκ/r + 2πσr − πpr²` is least, with κ = 1, σ = 1/2, p = 1/100.
+#[test]
+fn a_tether_has_the_force_and_the_radius_of_theory() {
+    let (summary, table, folder) = run_shipped("vesicle-tether", &[]);
+    assert_eq!(summary.end, End::Converged, "{}", summary.message);
+    let of_tube = |r: f64| PI / r + PI * r - 0.01 * PI * r * r;
+    let radius = (0..2000).map(|k| 0.9 + 1e-4 * f64::from(k));
+    let radius = radius.min_by(|&a, &b| of_tube(a).total_cmp(&of_tube(b)));
+    let radius = radius.expect("a radius");
+    let force = *table.column("force").expect("force").last().expect("rows");
+    TETHER.assert(force, of_tube(radius), of_tube(radius), "force");
+    let file = read(&folder.path().join("out/last.vtp")).expect("a surface");
+    let positions = file.positions;
+    let tip = positions.iter().map(|at| at[0]).fold(0.0, f64::max);
+    // From ten to fifteen radii behind the tip.
+    let tube = positions
+        .iter()
+        .filter(|at| (10.0..15.0).contains(&(tip - at[0])));
+    let radii = Vec::from_iter(tube.map(|at| at[1].hypot(at[2])));
+    let mean = radii.iter().sum::<f64>() / radii.len() as f64;
+    TETHER.assert(mean, radius, radius, "radius");
+    let widest = positions.iter().filter(|at| at[1].hypot(at[2]) < 1.5);
+    let base = widest.map(|at| at[0]).fold(tip, f64::min);
+    assert!(tip - base > 20.0, "{}", tip - base);
 }
 
 #[test]

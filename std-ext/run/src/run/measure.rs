@@ -7,7 +7,7 @@ use super::remeshing::{self, Remesher};
 use crate::effect::Effect;
 use crate::held::{Geometry, Quantity};
 use crate::picture::Frame;
-use crate::scene::{Bending, Named, PictureField, Scene, UnitSystem};
+use crate::scene::{Bending, Named, PictureField, Scene, Stretching, UnitSystem};
 use crate::simulation::{Acting, Body, Simulation};
 use helfrich::{Cotangent, Curvature, DualArea, Prepared, Surface};
 use std::f64::consts::PI;
@@ -41,8 +41,16 @@ impl Measures {
             if scene.effects.stretching.is_some() {
                 names.extend(["force", "axial_diameter", "transverse_diameter"]);
             }
+            if scene
+                .effects
+                .stretching
+                .as_ref()
+                .is_some_and(Stretching::has_distance)
+            {
+                names.push("end_distance");
+            }
             columns.extend(names.into_iter().map(|name| simulation.label(name, body)));
-            let along = body.stretching().map(|(_, axis)| axis);
+            let along = body.stretching_axis();
             directions.push(along.map(|axis| [axis, across(axis, &positions[body.vertices()])]));
         }
         let mut measures = Self {
@@ -114,10 +122,13 @@ impl Measures {
             if remesher.renews(index) {
                 row.extend(remesher.numbers(body));
             }
-            if let (Some((force, _)), Some(directions)) = (body.stretching(), directions) {
+            if let (Some((force, distance)), Some(directions)) =
+                (body.stretching(surface), directions)
+            {
                 let own = &positions[body.vertices()];
                 row.push(force);
                 row.extend(directions.map(|direction| extent(direction, own)));
+                row.extend(distance);
             }
         }
         row

@@ -43,7 +43,7 @@ pub(crate) use prepare::Preparation;
 pub use pressure::Pressure;
 pub use reference::{Reference, ReferenceSource};
 pub(crate) use stretching::Stretch;
-pub use stretching::Stretching;
+pub use stretching::{Ends, Pull, Stretching};
 pub use tension::Tension;
 pub(crate) use volume::reduced_volume;
 pub use volume::{HeldVolume, VolumeTarget};

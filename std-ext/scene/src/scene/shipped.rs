@@ -25,7 +25,7 @@ macro_rules! scenes {
 }
 
 /// All shipped scenes.
-pub const SHIPPED: [ShippedScene; 15] = scenes![
+pub const SHIPPED: [ShippedScene; 16] = scenes![
     "capsule-constriction"
     "capsule-pair"
     "capsule-shear"
@@ -41,6 +41,7 @@ pub const SHIPPED: [ShippedScene; 15] = scenes![
     "vesicle-prolate-0.8"
     "vesicle-prolate-0.9"
     "vesicle-shear"
+    "vesicle-tether"
 ];
 
 /// Further files that scenes need.

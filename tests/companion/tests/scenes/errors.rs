@@ -269,6 +269,16 @@ fn ranges_are_checked() {
         [8, 56],
         &["above 0 and at most 0.5"],
     );
+    refused_effect(
+        "stretching = { axis = [0, 0, 1], length = 3, depth = 0.1 }",
+        [8, 34],
+        &["`length` also needs `stiffness`"],
+    );
+    refused_effect(
+        "stretching = { axis = [0, 0, 1], force = 1, depth = [1, 2, 3] }",
+        [8, 53],
+        &["one number, or one for each of the two ends"],
+    );
     refused_effect("seed = -4", [8, 8], &["`seed` is -4", "from 0 to"]);
 }
 

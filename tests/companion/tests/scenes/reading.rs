@@ -4,9 +4,9 @@ use super::{folder, generated, mesh_file, shipped, valid, with};
 use helfrich::DualArea;
 use helfrich_std::method::BendingMethod;
 use helfrich_std::scene::{
-    Adhesion, AreaDifferenceTarget, Driver, Every, Hold, InPlaneLaw, InteractionScene, Material,
-    MeshSource, Overrides, Pictures, Place, ReferenceSource, SceneFile, Scheme, Target, UnitSystem,
-    VolumeTarget,
+    Adhesion, AreaDifferenceTarget, Driver, Ends, Every, Hold, InPlaneLaw, InteractionScene,
+    Material, MeshSource, Overrides, Pictures, Place, Pull, ReferenceSource, SceneFile, Scheme,
+    Target, UnitSystem, VolumeTarget,
 };
 
 /// A scene with every key of surfaces, interactions, relaxations and outputs.
@@ -195,8 +195,8 @@ fn every_key_of_targets_and_loads_is_read() {
     let stretching = a.effects.stretching.as_ref().unwrap();
     assert_eq!(stretching.axis, [1.0, 0.0, 0.0]);
     assert_eq!(
-        (&stretching.forces, stretching.fraction),
-        (&vec![0.0, 30.0], 0.02)
+        (&stretching.pull, stretching.ends),
+        (&Pull::Forces(vec![0.0, 30.0]), Ends::Fraction(0.02))
     );
     assert_eq!(b.effects.area.unwrap().hold, Hold::Exact);
     assert_eq!(b.effects.area.unwrap().target, Target::Initial);
