@@ -17,8 +17,8 @@ use alloc::vec::Vec;
 /// ```
 ///
 /// The integrals weigh the outermost layers of thickness ℓ and ℓ′: where ends are spheres of radii R and R′, d is the distance
-/// of the outermost points plus `ℓ ln(R/ℓ) + ℓ′ ln(R′/ℓ′)`, for ℓ and ℓ′ far below them. The force on each end, `F − k (d − L)`, is the exact
-/// gradient, and its sum over an end is just that, because d grows by t where one end moves by t.
+/// of the outermost points plus `ℓ ln(R/ℓ) + ℓ′ ln(R′/ℓ′)`, for ℓ and ℓ′ far below them. Forces are the exact gradient, and
+/// their sum over an end is `F − k (d − L)`, because d grows by t where one end moves by t.
 ///
 /// Unlike [`PointLoads`](crate::PointLoads), it knows no vertices: the force does not change where these move along the
 /// surface or the mesh is another, and has no part along the surface but for the error of the triangles. So it pulls tethers
@@ -43,7 +43,7 @@ use alloc::vec::Vec;
 pub struct EndPull<T> {
     /// The unit vector a.
     pub axis: [T; 3],
-    /// Thicknesses ℓ and ℓ′ of the layers that are the ends ahead and behind along the axis.
+    /// Thicknesses ℓ and ℓ′, above 0, of the layers that are the ends ahead and behind along the axis.
     pub depths: [T; 2],
     /// Force F that drives the ends apart at the distance L.
     pub force: T,
@@ -56,13 +56,14 @@ pub struct EndPull<T> {
 /// Memory of [`EndPull`].
 #[derive(Clone, Debug)]
 pub struct EndPullMemory<T> {
-    /// ∂E/∂S for each end by area, and its slope along −a, of each vertex.
+    /// V and −V′ along the axis at each vertex: the energy per area of which forces are the gradient.
     potentials: Vec<[T; 2]>,
     distance: T,
 }
 
 impl<T: Real> EndPull<T> {
-    /// The force `F − k (d − L)` on each end of the surface of the last evaluation, and the distance d of the ends.
+    /// The force `F − k (d − L)` on each end of the surface of the last evaluation, and the distance d of the ends; NaN
+    /// before the first.
     pub fn measured(&self, workspace: &Workspace<T, Self>) -> (T, T) {
         let distance = workspace.memory().distance;
         (self.at(distance), distance)

@@ -34,9 +34,9 @@
 //!   [`LineTension`] and [`GaussianBending`]), and [`Constraints`] hold them exactly.
 //! * [`GaussianDomains`] and [`BorderTension`] are energies of parts of a membrane with other
 //!   parameters.
-//! * [`Gravity`], [`PointLoads`], [`EndPull`] and [`WallAdhesion`] are external forces. [`Repulsion`] is an
-//!   [`Interaction`], which acts between surfaces. [`MembraneViscosity`] is a [`Dissipation`],
-//!   which depends on velocities.
+//! * [`Gravity`], [`PointLoads`], [`EndPull`] and [`WallAdhesion`] are external forces.
+//!   [`Repulsion`] is an [`Interaction`], which acts between surfaces. [`MembraneViscosity`] is a
+//!   [`Dissipation`], which depends on velocities.
 //! * The sum of two methods is the pair `(a, b)`; longer sums nest. [`Prepared`] holds a method with
 //!   its [`Workspace`]; [`shapes`] are surfaces known exactly.
 //!

@@ -152,7 +152,7 @@ fn pull<T: From<f64>>(depths: [f64; 2], [force, stiffness, length]: [f64; 3]) ->
     }
 }
 
-/// The force on each end of a unit sphere, and the distance of the ends, in this order.
+/// The force on each end of a surface, and the distance of the ends.
 fn measured(pull: EndPull<f64>, mesh: &Mesh) -> (f64, f64) {
     let mut prepared = Prepared::new(pull, &mesh.connectivity);
     prepared.energy(mesh.surface());

@@ -7,7 +7,7 @@ use super::remeshing::{self, Remesher};
 use crate::effect::Effect;
 use crate::held::{Geometry, Quantity};
 use crate::picture::Frame;
-use crate::scene::{Bending, Named, PictureField, Scene, Stretching, UnitSystem};
+use crate::scene::{Bending, Named, PictureField, Scene, UnitSystem};
 use crate::simulation::{Acting, Body, Simulation};
 use helfrich::{Cotangent, Curvature, DualArea, Prepared, Surface};
 use std::f64::consts::PI;
@@ -38,16 +38,9 @@ impl Measures {
             if scene.remesh.is_some() {
                 names.extend(remeshing::COLUMNS);
             }
-            if scene.effects.stretching.is_some() {
+            if let Some(stretching) = &scene.effects.stretching {
                 names.extend(["force", "axial_diameter", "transverse_diameter"]);
-            }
-            if scene
-                .effects
-                .stretching
-                .as_ref()
-                .is_some_and(Stretching::has_distance)
-            {
-                names.push("end_distance");
+                names.extend(stretching.has_distance().then_some("end_distance"));
             }
             columns.extend(names.into_iter().map(|name| simulation.label(name, body)));
             let along = body.stretching_axis();
