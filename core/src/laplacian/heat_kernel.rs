@@ -36,11 +36,16 @@ use alloc::vec::Vec;
 ///
 /// Rows have hundreds of entries (400 to 500 in f64 with the mixed area for h). Only their columns
 /// are stored, 4 bytes per entry instead of 12. The kernel is computed again whenever the operator
-/// is applied, because it costs only a fraction of the search along the surface.
+/// is applied, because it costs only a fraction of the search along the surface. Rows with more entries
+/// than [`Self::stored`] in all are searched again as well. With [`Bandwidth::Converging`] the entries
+/// grow like `N^1.5`: a million vertices have 5 · 10⁹, twenty gigabytes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeatKernel<T> {
     /// The bandwidth h.
     pub bandwidth: Bandwidth<T>,
+    /// The largest number of entries of all rows whose columns are stored, 5 bytes each with their spare
+    /// room. It changes time and memory, and no result.
+    pub stored: usize,
 }
 
 /// The bandwidth h of a heat kernel: an area, twice the kernel's variance along each axis.
@@ -62,9 +67,12 @@ pub enum Bandwidth<T> {
 }
 
 impl<T: Real> HeatKernel<T> {
-    /// The operator with this bandwidth.
+    /// The operator with this bandwidth, which stores up to 2²⁹ columns: 2.5 GiB.
     pub fn new(bandwidth: Bandwidth<T>) -> Self {
-        Self { bandwidth }
+        Self {
+            bandwidth,
+            stored: 1 << 29,
+        }
     }
 }
 
@@ -115,15 +123,33 @@ impl<T: Real> GaussianKernel<T> {
         let exponent = -T::constant(4.0) * T::epsilon().ln();
         exponent * self.over_bandwidth[vertex].reciprocal_or_zero()
     }
+
+    /// The vertices in the row of `vertex`, with their squared distances.
+    fn in_range<'a>(
+        &self,
+        surface: Surface<'_, T>,
+        edge_lengths: &[T],
+        search: &'a mut Neighbourhood<T>,
+        vertex: usize,
+    ) -> &'a [(T, u32)] {
+        let squared_reach = self.squared_reach(vertex);
+        let longest = T::constant(1.15) * squared_reach.sqrt();
+        search.within(surface, edge_lengths, vertex as u32, longest);
+        let found = &mut search.found;
+        found.retain(|&(squared_distance, _)| squared_distance <= squared_reach);
+        found
+    }
 }
 
-/// The columns of each row, with spare capacity so that a moving surface seldom needs more memory.
+/// The columns of each row, with spare capacity so that a moving surface seldom needs more memory; or of
+/// none, if all rows together have too many.
 #[derive(Clone, Debug, Default)]
 struct Gathered {
     offsets: Vec<usize>,
     /// Number of columns of each row. It may exceed the capacity, until [`Self::make_room`] is called.
     lengths: Vec<u32>,
     columns: Vec<u32>,
+    is_stored: bool,
 }
 
 impl Gathered {
@@ -138,14 +164,23 @@ impl Gathered {
         }
     }
 
-    fn row(&self, row: usize) -> &[u32] {
+    /// The columns of a row, if they are stored.
+    fn row(&self, row: usize) -> Option<&[u32]> {
         let start = self.offsets[row];
-        &self.columns[start..start + self.lengths[row] as usize]
+        let end = start + self.lengths[row] as usize;
+        self.is_stored.then(|| &self.columns[start..end])
     }
 
-    /// Gives each row capacity for its length and a quarter more, unless every row has enough;
-    /// returns whether all rows had enough.
-    fn make_room(&mut self) -> bool {
+    /// Gives each row capacity for its length and a quarter more, unless every row has enough, or all
+    /// have more than `most` columns; returns whether nothing has to be gathered again.
+    fn make_room(&mut self, most: usize) -> bool {
+        let lengths = self.lengths.iter().map(|&length| u64::from(length));
+        self.is_stored = lengths.sum::<u64>() <= most as u64;
+        if !self.is_stored {
+            self.offsets.fill(0);
+            self.columns = Vec::new();
+            return true;
+        }
         let ends = self.offsets.windows(2);
         let mut rows = ends.zip(&self.lengths);
         if rows.all(|(ends, &length)| length as usize <= ends[1] - ends[0]) {
@@ -235,34 +270,27 @@ fn gather<T: Real>(
         offsets,
         lengths,
         columns,
+        ..
     } = gathered;
     let rows = (&mut lengths[..], Ragged::new(columns, offsets));
-    let detour = T::constant(1.15);
     execution.map_with(
         searches,
         (curvature, rows),
         |search, vertex, (curvature, (length, columns))| {
             let centre = vertex as u32;
-            let squared_reach = kernel.squared_reach(vertex);
-            let longest = detour * squared_reach.sqrt();
-            search.within(surface, edge_lengths, centre, longest);
-            let mut count = 0;
+            let found = kernel.in_range(surface, edge_lengths, search, vertex);
+            *length = found.len() as u32;
+            for (column, &(_, neighbour)) in columns.iter_mut().zip(found) {
+                *column = neighbour;
+            }
             let mut sum: Vec3<T> = [T::zero(); 3];
-            for &(squared_distance, neighbour) in &search.found {
-                if squared_distance > squared_reach {
-                    continue;
-                }
-                if let Some(column) = columns.get_mut(count) {
-                    *column = neighbour;
-                }
-                count += 1;
+            for &(squared_distance, neighbour) in found {
                 let coefficient = kernel.coefficient(vertex, neighbour, squared_distance);
                 sum = add(
                     sum,
                     scale(coefficient, surface.difference(centre, neighbour)),
                 );
             }
-            *length = count as u32;
             curvature.mean = match curvature.kind {
                 VertexKind::Interior => {
                     -T::constant(0.5) * dot(finite_or_zero(sum), curvature.normal)
@@ -277,12 +305,21 @@ fn gather<T: Real>(
 fn row<'a, T: Real>(
     surface: Surface<'a, T>,
     memory: &'a HeatKernelMemory<T>,
+    search: &'a mut Neighbourhood<T>,
     vertex: usize,
 ) -> impl Iterator<Item = (u32, T)> + 'a {
-    memory.gathered.row(vertex).iter().map(move |&neighbour| {
+    let kernel = &memory.kernel;
+    let (columns, found): (&[u32], &[(T, u32)]) = match memory.gathered.row(vertex) {
+        Some(columns) => (columns, &[]),
+        None => (
+            &[],
+            kernel.in_range(surface, &memory.edge_lengths, search, vertex),
+        ),
+    };
+    let found = found.iter().map(|&(_, neighbour)| neighbour);
+    columns.iter().copied().chain(found).map(move |neighbour| {
         let difference = surface.difference(vertex as u32, neighbour);
         let squared_distance = dot(difference, difference);
-        let kernel = &memory.kernel;
         (
             neighbour,
             kernel.coefficient(vertex, neighbour, squared_distance),
@@ -354,7 +391,7 @@ impl<T: Real> Curvatures<T> for HeatKernel<T> {
         set_edge_lengths(execution, surface, lengths, offsets);
         memory.gathered.resize(vertices);
         gather(execution, surface, memory, curvature);
-        if !memory.gathered.make_room() {
+        if !memory.gathered.make_room(self.stored) {
             gather(execution, surface, memory, curvature);
         }
     }
@@ -372,15 +409,23 @@ impl<T: Real> LaplaceBeltrami<T> for HeatKernel<T> {
         let memory = workspace.for_mesh(surface.mesh());
         expect_measured(memory.gathered.lengths.len(), surface.mesh().vertex_count());
         let laplacian = of_vertices(surface, laplacian);
-        execution.map(laplacian, |vertex, laplacian| {
+        let set = |search: &mut Neighbourhood<T>, vertex: usize, laplacian: &mut [T; D]| {
             let mut sum = [T::zero(); D];
-            for (neighbour, coefficient) in row(surface, memory, vertex) {
+            for (neighbour, coefficient) in row(surface, memory, search, vertex) {
                 for k in 0..D {
                     sum[k] += coefficient * (field[neighbour as usize][k] - field[vertex][k]);
                 }
             }
             *laplacian = finite_or_zero(sum);
-        });
+        };
+        // Without a search nothing is allocated.
+        if memory.gathered.is_stored {
+            execution.map(laplacian, |vertex, laplacian| {
+                set(&mut Neighbourhood::default(), vertex, laplacian);
+            });
+        } else {
+            execution.map_with(&mut Vec::new(), laplacian, set);
+        }
     }
 
     fn assemble(
@@ -391,9 +436,10 @@ impl<T: Real> LaplaceBeltrami<T> for HeatKernel<T> {
     ) {
         let memory = workspace.for_mesh(surface.mesh());
         expect_measured(memory.gathered.lengths.len(), surface.mesh().vertex_count());
+        let mut search = Neighbourhood::default();
         rows.clear();
         for vertex in 0..surface.mesh().vertex_count() {
-            for (neighbour, coefficient) in row(surface, memory, vertex) {
+            for (neighbour, coefficient) in row(surface, memory, &mut search, vertex) {
                 rows.push(neighbour, coefficient);
             }
             rows.end_row();

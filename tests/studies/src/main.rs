@@ -49,7 +49,7 @@ enum Command {
 
 #[derive(clap::Args)]
 struct StabilityArguments {
-    /// Add a mesh of a million vertices to the hard cases, which takes 20 minutes, and 26 GB for the rows of D.
+    /// Add a mesh of a million vertices to the hard cases, which takes half an hour.
     #[arg(long)]
     large: bool,
     /// The only group of hard cases to run: geometry, cancellation, dynamics, threads or input.

@@ -1,11 +1,11 @@
 //! Evaluations allocate no memory after the first one.
 
 use helfrich::{
-    AnyFunctional, Constraint, Constraints, Cotangent, Curvature, Curvatures, DualArea, Images,
-    InPlane, Interaction, LaplaceBeltrami, Method, NeoHookean, Prepared, Real, Repulsion, Rows,
-    Serial, SparseMatrix, Surface, Targets,
+    AnyFunctional, Bandwidth, Constraint, Constraints, Cotangent, Curvature, Curvatures, DualArea,
+    HeatKernel, Images, InPlane, Interaction, LaplaceBeltrami, Method, NeoHookean, Prepared, Real,
+    Repulsion, Rows, Serial, SparseMatrix, Surface, Targets,
 };
-use helfrich_tests::allocation::allocations;
+use helfrich_tests::allocation::{allocations, held};
 use helfrich_tests::laws::{
     Candidate, ConservativeCandidate, ConservativeLaw, Law, OperatorLaw, Subject, for_each,
     for_each_conservative, for_each_operator,
@@ -224,4 +224,41 @@ fn in_plane_laws_allocate_at_the_first_evaluation_only() {
     let mut allocation = Allocation::of(mesh.clone());
     Law::check(&mut allocation, Elastic(&mesh));
     ConservativeLaw::check(&mut allocation, Elastic(&mesh));
+}
+
+/// The rows of a heat kernel that are searched again have the bits of those that are stored, and their
+/// columns are not in memory.
+#[test]
+fn rows_of_too_many_entries_are_not_stored() {
+    let mesh = icosphere(3);
+    let (vertices, surface) = (mesh.positions.len(), mesh.surface());
+    let evaluated = |stored| {
+        let operator = HeatKernel {
+            stored,
+            ..HeatKernel::new(Bandwidth::MixedArea(1.0))
+        };
+        let mut curvature = vec![Curvature::default(); vertices];
+        let mut laplacian = vec![[0.0; 3]; vertices];
+        let (workspace, bytes) = held(|| {
+            let mut workspace = operator.workspace(&mesh.connectivity);
+            operator.curvatures(&Serial, surface, &mut workspace, &mut curvature);
+            workspace
+        });
+        let mut rows = Rows::new();
+        operator.assemble(surface, &workspace, &mut rows);
+        let field = &mesh.positions;
+        operator.apply(&Serial, surface, &workspace, field, &mut laplacian);
+        (rows, curvature, laplacian, bytes)
+    };
+    let (rows, curvature, laplacian, all) = evaluated(usize::MAX);
+    let entries = (0..vertices).map(|row| rows.row(row).0.len()).sum();
+    let columns = 4 * entries as isize;
+    for (stored, bytes) in [(entries, all), (entries - 1, all - columns)] {
+        let found = evaluated(stored);
+        assert_eq!(
+            (&found.0, &found.1, &found.2),
+            (&rows, &curvature, &laplacian)
+        );
+        assert!(found.3 <= bytes, "{} bytes for {bytes}", found.3);
+    }
 }

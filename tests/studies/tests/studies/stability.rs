@@ -49,11 +49,11 @@ fn every_row_passes() {
     );
 }
 
-/// The mesh of a million vertices takes 20 minutes, and 26 GB, because the kernel of D then reaches 5000 vertices: `cargo test --release --package helfrich-studies --
+/// The mesh of a million vertices takes half an hour: `cargo test --release --package helfrich-studies --
 /// --ignored`, or `helfrich-studies stability --group geometry --large`. It is not part of `.ci/run`;
 /// CONTRIBUTING says when to run it.
 #[test]
-#[ignore = "20 minutes and 26 GB: by .ci/long"]
+#[ignore = "half an hour: by .ci/long"]
 fn a_million_nodes() {
     let table = Stability {
         large: true,
