@@ -32,7 +32,7 @@ pub use helfrich_evaluate::{
     checked, contact, effect, execute, held, method, noise, ordered, remesh, scalar,
 };
 pub use helfrich_mesh::{
-    enclosure, generate, info, io, orientation, polygon, repair, section, subdivide,
+    enclosure, generate, info, io, orientation, parting, polygon, repair, section, subdivide,
 };
 pub use helfrich_run::{checkpoint, lock, plots, run, sweep};
 pub use helfrich_scene::{scene, series, simulation};

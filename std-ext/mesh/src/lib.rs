@@ -4,13 +4,14 @@
 //! * [`info`]: properties of a mesh. [`subdivide`]: refined meshes.
 //! * [`section`]: sections of a surface by a plane. [`enclosure`]: points inside closed surfaces.
 //! * [`orientation`]: components that are inside out. [`polygon`]: polygons divided into triangles.
-//! * [`repair`]: meshes made of triangles that are none.
+//! * [`repair`]: meshes made of triangles that are none. [`parting`]: necks that are cut, and holes that are closed.
 
 pub mod enclosure;
 pub mod generate;
 pub mod info;
 pub mod io;
 pub mod orientation;
+pub mod parting;
 pub mod polygon;
 pub mod repair;
 pub mod section;

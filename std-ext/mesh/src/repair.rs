@@ -13,7 +13,7 @@
 //! remove no triangle.
 
 mod around_edge;
-mod holes;
+pub(crate) mod holes;
 mod neighbours;
 mod pass;
 mod sheets;

@@ -242,12 +242,13 @@ fn plan<'a>(
     let state = match state {
         Some((state, remeshing)) => {
             remesher.resume(scene, simulation, remeshing)?;
-            measures.meshes_changed(scene, simulation);
             positions = remesher.references();
             Some(state)
         }
         None => None,
     };
+    // Held areas and volumes may be those of smooth surfaces now.
+    measures.meshes_changed(scene, simulation);
     let drive = drive(scene, simulation, positions, state)?;
     if begins {
         acts::refuse_idle(scene, simulation, drive.positions())?;
@@ -389,6 +390,10 @@ impl Run<'_> {
 
     /// Replaces the meshes that are due; false if this was interrupted.
     fn replace_worn(&mut self, interrupted: &dyn Fn() -> bool) -> Result<bool, RunError> {
+        let (scene, simulation) = (self.scene, &mut self.simulation);
+        if self.remesher.part(scene, simulation, &mut *self.drive)? {
+            self.measures.meshes_changed(scene, &self.simulation);
+        }
         let positions = self.drive.positions();
         let due = self.remesher.due(&self.simulation, positions);
         self.replace(&due, interrupted)

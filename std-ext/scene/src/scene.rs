@@ -43,9 +43,9 @@ pub use drivers::{BoundaryIntegral, Driver, Integrator, LatticeBoltzmann, Relax,
 pub use effects::Named;
 pub use effects::{
     Adhesion, AreaDifferenceTarget, Bending, BorderTension, EffectError, Effects, Elasticity, Ends,
-    GaussianBending, Gravity, Group, HeldArea, HeldAreaDifference, HeldVolume, Hold, InPlaneLaw,
-    LineTension, LocalArea, MembraneViscosity, Pressure, Pull, Reference, ReferenceSource,
-    Stretching, Target, Tension, VolumeTarget,
+    GaussianBending, Gravity, Group, HeldArea, HeldAreaDifference, HeldTargets, HeldVolume, Hold,
+    InPlaneLaw, LineTension, LocalArea, MembraneViscosity, Pressure, Pull, Reference,
+    ReferenceSource, Stretching, Target, Tension, VolumeTarget,
 };
 pub(crate) use effects::{
     Groups, MeshCheck, Preparation, Stretch, capillary_number, reduced_volume,
@@ -59,7 +59,7 @@ pub use overrides::{OverrideSyntaxError, Overrides};
 pub use parameter::Parameter;
 pub(crate) use parameter::Parameters;
 pub use problem::{Place, Problem, SceneError, SceneErrors};
-pub use remesh::Remesh;
+pub use remesh::{Remesh, Topology};
 pub use schema::json_schema;
 #[doc(hidden)]
 pub use shipped::shipped_file;

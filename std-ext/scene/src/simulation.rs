@@ -29,9 +29,9 @@ use crate::execute::Parallel;
 use crate::flow::Membranes;
 use crate::io::Column;
 use crate::ordered::Ordered;
-use crate::scene::{Named, SceneError, Stretch, Stretching};
+use crate::scene::{HeldTargets, Named, SceneError, Stretch, Stretching};
 use helfrich::interaction::RepulsionMemory;
-use helfrich::{AnyFunctional, Finding, Images, Repulsion, Surface, Targets, TriangleMesh};
+use helfrich::{AnyFunctional, Finding, Images, Repulsion, Surface, TriangleMesh};
 use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
@@ -64,8 +64,7 @@ pub struct Body {
     /// The place of each of its constraints among those of the simulation.
     places: Vec<usize>,
     stretch: Option<Stretch>,
-    /// The targets of its held quantities, each with the name of its effect.
-    targets: Vec<(&'static str, Targets<f64>)>,
+    targets: Vec<HeldTargets>,
     /// See [`BodyMesh::ratios`].
     ratios: Vec<[f64; 2]>,
     columns: Vec<Arc<Column>>,
@@ -195,6 +194,11 @@ impl Body {
     /// files.
     pub fn columns(&self) -> &[Arc<Column>] {
         &self.columns
+    }
+
+    /// The targets of its held quantities.
+    pub fn targets(&self) -> &[HeldTargets] {
+        &self.targets
     }
 
     /// Area and volume of each component, as they are held, over those of its flat triangles; empty where they are the

@@ -10,6 +10,7 @@ mod isosurfaces;
 mod many_shapes;
 mod mesh;
 mod noise;
+mod parting;
 mod remesh;
 mod reordering;
 mod rows;

@@ -79,8 +79,8 @@ pub(super) fn fill(
     filled
 }
 
-/// The borders, each as it runs around a hole, in the order of their lowest vertices.
-fn borders(mesh: &TriangleMesh) -> impl Iterator<Item = Vec<u32>> {
+/// The borders, each as it runs around a hole, against its triangles, in the order of their lowest vertices.
+pub(crate) fn borders(mesh: &TriangleMesh) -> impl Iterator<Item = Vec<u32>> {
     // An edge of the border runs against that of its triangle.
     let mut after = vec![u32::MAX; mesh.vertex_count()];
     for (edge, &[from, to]) in mesh.edges().iter().enumerate() {

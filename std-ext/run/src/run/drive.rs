@@ -30,17 +30,14 @@ pub(super) trait Drive {
         Step::default()
     }
 
-    /// Continues with the new meshes of the simulation at these positions. `_references` are the positions with which each
+    /// Continues with the new meshes of the simulation at these positions. `references` are the positions with which each
     /// surface got its present mesh: what is kept from then on is measured there, and again when the run is continued.
     fn replace_meshes(
         &mut self,
-        _simulation: &mut Simulation,
-        _references: Vec<[f64; 3]>,
-        _positions: Vec<[f64; 3]>,
-    ) -> Result<(), RunError> {
-        // The reader of scenes refuses new meshes with such drivers.
-        Err(RunError::Mismatch)
-    }
+        simulation: &mut Simulation,
+        references: Vec<[f64; 3]>,
+        positions: Vec<[f64; 3]>,
+    ) -> Result<(), RunError>;
 
     /// The progress from 0 to 1, and its description.
     fn progress(&self) -> (f64, String);

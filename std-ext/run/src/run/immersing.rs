@@ -166,6 +166,27 @@ impl<T: Stored> Drive for Immersing<'_, T> {
         &self.positions
     }
 
+    fn replace_meshes(
+        &mut self,
+        simulation: &mut Simulation,
+        mut references: Vec<[f64; 3]>,
+        positions: Vec<[f64; 3]>,
+    ) -> Result<(), RunError> {
+        simulation.restore(&mut references);
+        self.immersion.continue_at(&positions)?;
+        immerse(
+            self.scene,
+            self.driver,
+            simulation,
+            &references,
+            &mut self.immersion,
+        );
+        self.positions = positions;
+        let deformed = &mut self.progress.deformed;
+        deformed.meshes_changed(simulation, &self.positions);
+        Ok(())
+    }
+
     fn step(&mut self, simulation: &mut Simulation) -> Result<Step, RunError> {
         let completed = Some((End::Completed, "the end is reached".to_owned()));
         let total = self.nearest(self.clock.duration);
@@ -282,6 +303,18 @@ fn immersion<T: ImmersionPrecision>(
         lattice.add_obstacle(&obstacle.mesh, &Vec::from_iter(positions))?;
     }
     let mut immersion = Immersion::new(lattice, units, origin, driver.kernel, positions.len());
+    immerse(scene, driver, simulation, positions, &mut immersion);
+    Ok(immersion)
+}
+
+/// Sets all that depends on the meshes; volumes are kept at those of these positions.
+fn immerse<T: ImmersionPrecision>(
+    scene: &Scene,
+    driver: LatticeBoltzmann,
+    simulation: &Simulation,
+    positions: &[[f64; 3]],
+    immersion: &mut Immersion<T>,
+) {
     let meshes = simulation.bodies().iter();
     let meshes = Vec::from_iter(meshes.map(|body| Arc::clone(body.shared_mesh())));
     let ratios = scene.surfaces.iter();
@@ -293,7 +326,6 @@ fn immersion<T: ImmersionPrecision>(
     let fluid = |number: usize| scene.surfaces[number].slides();
     immersion.resist(Ripples::new(&meshes, &fluid, &ratios, driver.viscosity));
     immersion.redistribute(Redistribution::new(&meshes, &slides, SLIDING_TOLERANCE));
-    Ok(immersion)
 }
 
 /// The undisturbed flow, without membranes and obstacles.

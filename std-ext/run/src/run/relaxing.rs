@@ -370,7 +370,15 @@ impl Drive for Relaxing {
         _references: Vec<[f64; 3]>,
         positions: Vec<[f64; 3]>,
     ) -> Result<(), RunError> {
-        if let Some(approach) = &self.progress.approach {
+        if let Some(approach) = &mut self.progress.approach {
+            let counts =
+                |values: &[Vec<Vec<f64>>]| Vec::from_iter(values.iter().flatten().map(Vec::len));
+            let present = simulation.held_values(&positions);
+            if approach.fraction < 1.0 && counts(&present) != counts(&approach.starts) {
+                // A surface has parted: the rest of the way is one of its parts.
+                approach.starts = present;
+                approach.fraction = 0.0;
+            }
             simulation.approach(&approach.starts, approach.fraction);
         }
         let membranes = simulation.membranes();

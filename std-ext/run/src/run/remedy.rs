@@ -15,11 +15,12 @@ const NEAR: f64 = 0.05;
 /// on an even mesh of nearly the requested shape. With this remedy, vesicles of reduced volume down to
 /// 0.6 reach the energies of theory.
 ///
-/// Line tension pulls the vertices of an edge together, and no mesh resolves an edge that has closed.
+/// Line tension pulls the vertices of an edge together, and no mesh resolves an edge that has closed unless its hole is
+/// closed, too.
 pub(super) fn remedy(surface: &SurfaceScene) -> String {
-    if surface.effects.line_tension.is_some() {
-        return "an edge may have closed under `line_tension`, and triangles on its two sides cannot be \
-         joined: choose a smaller one, or continue with a closed mesh"
+    if surface.effects.line_tension.is_some() && surface.topology.is_none() {
+        return "an edge may have closed under `line_tension`: with `remesh = \"auto\"` and `topology = \"may-break\"` of the \
+                surface its hole is closed; or choose a smaller one"
             .to_owned();
     }
     let bending = surface.effects.bending.as_ref();
@@ -75,7 +76,7 @@ fn regular_count(vertices: usize) -> usize {
 
 /// Remedy for a surface whose triangles do not allow a further step.
 pub(super) fn of_mesh(surface: &SurfaceScene) -> String {
-    let may_close = surface.effects.line_tension.is_some();
+    let may_close = surface.effects.line_tension.is_some() && surface.topology.is_none();
     if surface.remesh.is_none() && surface.can_have_new_meshes() && !may_close {
         return "give the surface `remesh = \"auto\"`: it then gets a new mesh whenever triangles have become narrow"
             .to_owned();

@@ -1,4 +1,4 @@
-//! New meshes of surfaces whose triangles have become narrow.
+//! New meshes of surfaces whose triangles have become narrow, and of surfaces that part.
 //!
 //! An event is between two steps: the vertices of a new mesh are put on the smooth surface through the old ones, columns
 //! are carried to them, and the effects are prepared for it. The volume of each closed component stays the same to
@@ -10,16 +10,17 @@ use super::curved::Curved;
 use super::deformed::smallest_angle;
 use super::drive::Drive;
 use super::measure::{HeldExtents, extents};
-use crate::held::{Geometry, Quantity, keep_volumes_on};
+use crate::held::{Geometry, Quantity, keep_volumes, keep_volumes_on};
 use crate::io::ColumnPlace;
 use crate::method::{BendingMethod, Evaluator};
+use crate::parting::{Break, parted};
 use crate::remesh::{
     EdgeLengths, MeshRequest, NewMesh, OfNoise, RemeshError, carried, in_order_of_components,
     old_triangles, remeshed,
 };
-use crate::scene::{Driver, Remesh, Scene, SurfaceScene};
+use crate::scene::{Driver, HeldTargets, Remesh, Scene, SurfaceScene, Topology};
 use crate::simulation::{Body, BodyMesh, Simulation};
-use helfrich::{AnyFunctional, MaterialParameter, Surface, TriangleMesh};
+use helfrich::{AnyFunctional, MaterialParameter, Surface, Targets, TriangleMesh};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
@@ -58,8 +59,12 @@ pub struct Remeshing {
     pub surface: String,
     /// Iteration or time.
     pub at: f64,
+    /// The change of its topology, if it has changed.
+    pub broke: Option<Break>,
     /// Numbers of vertices before and after.
     pub vertices: [usize; 2],
+    /// Numbers of vertices minus edges plus triangles before and after: 2 for a sphere.
+    pub euler_number: [i64; 2],
     /// Smallest angles before and after, in degrees.
     pub smallest_angle: [f64; 2],
     /// Energies of all effects before and after.
@@ -95,6 +100,8 @@ impl StoredMesh {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct SurfaceState {
     mesh: Option<StoredMesh>,
+    /// The targets of held quantities for each component, if the surface has parted.
+    targets: Option<Vec<Vec<f64>>>,
     /// The smallest angle, in degrees, below which an event is due.
     limit: f64,
     /// The largest angle between neighbouring triangles after the last attempt, in degrees, where lengths depend on
@@ -120,6 +127,7 @@ pub(super) struct Remesher {
     wanted: Vec<Option<Wanted>>,
     /// The initial positions of each surface.
     starts: Vec<Vec<[f64; 3]>>,
+    topologies: Vec<Option<Topology>>,
     state: RemeshingState,
 }
 
@@ -206,11 +214,14 @@ impl Remesher {
             }
             let same = same_mesh(body, own);
             // Where targets are out of reach, those of flat triangles are, too, or will do.
-            let smooth = simulation.replace_mesh(scene, index, same, true).is_ok();
+            let smooth = simulation
+                .replace_mesh(scene, index, same, Vec::new())
+                .is_ok();
             Some(Wanted { smooth, ..wanted })
         });
         let state = SurfaceState {
             mesh: None,
+            targets: None,
             limit: WORN,
             turn: 0.0,
             attempt: None,
@@ -221,6 +232,11 @@ impl Remesher {
             wanted,
             starts: bodies
                 .map(|body| positions[body.vertices()].to_vec())
+                .collect(),
+            topologies: scene
+                .surfaces
+                .iter()
+                .map(|surface| surface.topology)
                 .collect(),
             state: RemeshingState {
                 surfaces: vec![state; scene.surfaces.len()],
@@ -248,7 +264,18 @@ impl Remesher {
                 columns: stored.columns,
                 ratios: stored.ratios,
             };
-            let replaced = simulation.replace_mesh(scene, index, new, false);
+            let own = simulation.bodies()[index].targets().iter();
+            let targets = match &surface.targets {
+                None => own.cloned().collect(),
+                Some(stored) => own
+                    .zip(stored)
+                    .map(|(held, stored)| HeldTargets {
+                        targets: Targets::PerComponent(stored.clone()),
+                        ..*held
+                    })
+                    .collect(),
+            };
+            let replaced = simulation.replace_mesh(scene, index, new, targets);
             replaced.map_err(|_| RunError::Mismatch)?;
         }
         self.state = state;
@@ -364,34 +391,130 @@ impl Remesher {
                     continue;
                 }
             };
-            let positions = made.positions.clone();
-            let stored = StoredMesh::of(&made);
-            let vertices = simulation.bodies()[index].vertices();
-            if let Err(error) = simulation.replace_mesh(scene, index, made, false) {
-                self.refused(index, simulation, drive, &error.to_string(), measured.angle);
+            let targets = body_targets(simulation, index);
+            if let Err(error) = self.install(index, scene, simulation, drive, made, targets)? {
+                self.refused(index, simulation, drive, &error, measured.angle);
                 continue;
             }
-            let (first, rest) = (&before[..vertices.start], &before[vertices.end..]);
-            self.state.surfaces[index].mesh = Some(stored);
-            let all = [first, &positions, rest].concat();
-            drive.replace_meshes(simulation, self.references(), all)?;
             let after = self::measured(simulation, index, geometry, drive.positions());
             let state = &mut self.state.surfaces[index];
             state.limit = WORN.min(FARTHER * after.angle);
             let surface = simulation.bodies()[index].surface(drive.positions());
             let turn = surface.and_then(|surface| wanted.turn(surface));
             state.turn = turn.map_or(0.0, |[turn, _]| turn);
-            self.state.events.push(Remeshing {
-                surface: scene.surfaces[index].name.clone(),
-                at: mark.time,
-                vertices: [measured.vertices, after.vertices],
-                smallest_angle: [measured.angle, after.angle],
-                energy: [measured.energy, after.energy],
-                area: [measured.area, after.area],
-                volume: [measured.volume, after.volume],
-            });
+            let name = &scene.surfaces[index].name;
+            let event = Remeshing::of(name, mark.time, None, [measured, after]);
+            self.state.events.push(event);
         }
         Ok(true)
+    }
+
+    /// Gives a surface a mesh, or says why that is not possible; then nothing has changed.
+    fn install(
+        &mut self,
+        index: usize,
+        scene: &Scene,
+        simulation: &mut Simulation,
+        drive: &mut dyn Drive,
+        made: BodyMesh,
+        targets: Vec<HeldTargets>,
+    ) -> Result<Result<(), String>, RunError> {
+        let before = drive.positions();
+        let vertices = simulation.bodies()[index].vertices();
+        let (first, rest) = (&before[..vertices.start], &before[vertices.end..]);
+        let all = [first, &made.positions, rest].concat();
+        let stored = StoredMesh::of(&made);
+        if let Err(error) = simulation.replace_mesh(scene, index, made, targets) {
+            return Ok(Err(error.to_string()));
+        }
+        self.state.surfaces[index].mesh = Some(stored);
+        drive.replace_meshes(simulation, self.references(), all)?;
+        Ok(Ok(()))
+    }
+
+    /// Parts each surface that may break, where it is thin enough, at one place; true if a surface has parted.
+    pub(super) fn part(
+        &mut self,
+        scene: &Scene,
+        simulation: &mut Simulation,
+        drive: &mut dyn Drive,
+    ) -> Result<bool, RunError> {
+        let mut changed = false;
+        for index in 0..self.topologies.len() {
+            let Some(topology) = self.topologies[index] else {
+                continue;
+            };
+            let (mark, before) = (drive.mark(), drive.positions().to_vec());
+            let body = &simulation.bodies()[index];
+            let Some(surface) = body.surface(&before) else {
+                continue;
+            };
+            let radius = match topology {
+                Topology::MayBreak => mean_edge(surface),
+                Topology::Radius(radius) => radius,
+            };
+            let Some(mut parts) = parted(surface, radius) else {
+                continue;
+            };
+            // Positions between others are finite.
+            let Ok(flat) = Surface::new(&parts.mesh, &parts.flat) else {
+                continue;
+            };
+            if let Err(error) = keep_volumes(flat, &mut parts.positions) {
+                self.note(index, simulation, drive, &error.to_string());
+                continue;
+            }
+            let geometry = scene.surfaces[index].effects.geometry(&scene.driver);
+            let (components, _) = body.mesh().components();
+            let columns = body.columns().iter().map(|column| {
+                let old = match column.place {
+                    ColumnPlace::Triangles => &parts.triangles,
+                    ColumnPlace::Vertices => &parts.vertices,
+                };
+                old.iter().map(|&old| column.values[old as usize]).collect()
+            });
+            let columns = columns.collect();
+            let Ok(own) = Surface::new(&parts.mesh, &parts.positions) else {
+                continue;
+            };
+            let (groups, count) = parts.mesh.components();
+            let mut parents = vec![0; count];
+            for (&group, &old) in groups.iter().zip(&parts.vertices) {
+                parents[group as usize] = components[old as usize];
+            }
+            let targets = body.targets().iter();
+            let targets = Vec::from_iter(targets.map(|held| held.of_parts(&parents, own)));
+            let values = targets.iter().map(|held| match &held.targets {
+                Targets::Same(target) => vec![*target; count],
+                Targets::PerComponent(targets) => targets.clone(),
+            });
+            let values = values.collect();
+            let ratios = match self.wanted[index] {
+                Some(wanted) if wanted.smooth => ratios_to_flat(own),
+                _ => Vec::new(),
+            };
+            let measured = measured(simulation, index, geometry, &before);
+            let made = BodyMesh {
+                columns,
+                ratios,
+                mesh: parts.mesh,
+                positions: parts.positions,
+            };
+            if let Err(error) = self.install(index, scene, simulation, drive, made, targets)? {
+                self.note(index, simulation, drive, &error);
+                continue;
+            }
+            changed = true;
+            let state = &mut self.state.surfaces[index];
+            // Caps are uneven.
+            state.limit = WORN;
+            state.targets = Some(values);
+            let after = self::measured(simulation, index, geometry, drive.positions());
+            let name = &scene.surfaces[index].name;
+            let event = Remeshing::of(name, mark.time, Some(parts.change), [measured, after]);
+            self.state.events.push(event);
+        }
+        Ok(changed)
     }
 
     /// Whether it is time to [measure](Self::measure).
@@ -402,15 +525,16 @@ impl Remesher {
 
     /// The reason why the run cannot go on, if the last new mesh does not resolve its surface.
     pub(super) fn worn_out(&self, drive: &dyn Drive) -> Option<String> {
+        let last = self.state.events.last()?;
         let Remeshing {
             surface,
             smallest_angle: [_, angle],
             ..
-        } = self.state.events.last()?;
+        } = Some(last).filter(|event| event.broke.is_none())?;
         (*angle < HOPELESS).then(|| {
             format!(
                 "mesh worn out at {}: a new mesh of \"{surface}\" has an angle of {angle:.1}°, because edges are as long as \
-                 the surface is thick, as at a neck: choose more vertices, or `remesh.curvature`",
+                 the surface is thick, as at a neck: choose more vertices, `remesh.curvature`, or `topology` if it may part there",
                 drive.caption()
             )
         })
@@ -442,7 +566,8 @@ impl Remesher {
                 continue;
             }
             let stored = StoredMesh::of(&same);
-            if simulation.replace_mesh(scene, index, same, false).is_ok() {
+            let targets = body_targets(simulation, index);
+            if simulation.replace_mesh(scene, index, same, targets).is_ok() {
                 self.state.surfaces[index].mesh = Some(stored);
                 changed = true;
             }
@@ -469,6 +594,11 @@ impl Remesher {
         let state = &mut self.state.surfaces[index];
         state.limit = FARTHER * angle;
         state.turn = turn.map_or(0.0, |[turn, _]| turn);
+        self.note(index, simulation, drive, reason);
+    }
+
+    /// Notes, once, why the mesh of a surface stays.
+    fn note(&mut self, index: usize, simulation: &Simulation, drive: &dyn Drive, reason: &str) {
         let name = simulation.bodies()[index].name();
         let what = format!("\"{name}\" keeps its mesh");
         if !self.state.notes.iter().any(|note| note.contains(&what)) {
@@ -478,9 +608,41 @@ impl Remesher {
     }
 }
 
+/// The mean length of the edges of a surface.
+fn mean_edge(surface: Surface<'_, f64>) -> f64 {
+    let edges = surface.mesh().edges();
+    let lengths = edges.iter().map(|&[from, to]| {
+        let [x, y, z] = surface.difference(from, to);
+        x.hypot(y).hypot(z)
+    });
+    lengths.sum::<f64>() / edges.len() as f64
+}
+
+/// The present targets of a surface.
+fn body_targets(simulation: &Simulation, index: usize) -> Vec<HeldTargets> {
+    simulation.bodies()[index].targets().to_vec()
+}
+
+impl Remeshing {
+    fn of(name: &str, at: f64, broke: Option<Break>, measures: [SurfaceMeasures; 2]) -> Self {
+        Self {
+            surface: name.to_owned(),
+            at,
+            broke,
+            vertices: measures.each_ref().map(|own| own.vertices),
+            euler_number: measures.each_ref().map(|own| own.euler_number),
+            smallest_angle: measures.each_ref().map(|own| own.angle),
+            energy: measures.each_ref().map(|own| own.energy),
+            area: measures.each_ref().map(|own| own.area),
+            volume: measures.each_ref().map(|own| own.volume),
+        }
+    }
+}
+
 /// Measures of a surface before or after an event.
 struct SurfaceMeasures {
     vertices: usize,
+    euler_number: i64,
     angle: f64,
     energy: f64,
     area: f64,
@@ -501,6 +663,7 @@ fn measured(
     let [area, volume] = extents.unwrap_or([f64::NAN; 2]);
     SurfaceMeasures {
         vertices: body.mesh().vertex_count(),
+        euler_number: body.mesh().euler_characteristic(),
         angle: surface.map_or(f64::NAN, smallest_angle),
         energy: acting.iter().map(|acting| acting.energy).sum(),
         area,

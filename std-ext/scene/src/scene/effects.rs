@@ -34,7 +34,7 @@ pub use gaussian_bending::GaussianBending;
 pub use gravity::Gravity;
 pub use groups::Group;
 pub(crate) use groups::{Groups, capillary_number};
-pub use held::Hold;
+pub use held::{HeldTargets, Hold};
 pub use line_tension::LineTension;
 pub use local_area::LocalArea;
 pub use membrane_viscosity::MembraneViscosity;

@@ -1,12 +1,12 @@
-//! New meshes of a surface during a run.
+//! New meshes of a surface during a run, and changes of its topology.
 
 use super::builder::Builder;
 use super::effects::Effects;
-use super::keys::{Form, Key, Keys, Range, optional, positive};
+use super::keys::{Form, Key, Keys, Range, optional, positive, required};
 use super::parameter::Parameters;
 use super::reader::Reader;
 use super::units::Dimension;
-use super::{Boundary, Driver, SurfaceScene};
+use super::{Boundary, SurfaceScene};
 use serde::Serialize;
 
 pub(super) const REMESH: Key = optional(
@@ -49,6 +49,61 @@ static SIZES: Keys = Keys {
     needs: &[],
     kinds: &[],
 };
+
+pub(super) const TOPOLOGY: Key = optional(
+    "topology",
+    Form::Either(&[Form::Choice(|| vec![MAY_BREAK]), BREAKS]),
+    "Whether a surface with `remesh` may part: necks are cut and closed on both sides, and holes are closed, when they are \
+     shorter around than a circle whose radius is the mean length of the edges (\"may-break\"), or that of the table; by \
+     default the topology stays. Each part keeps its volume, and gets its share of what is held.",
+);
+
+const MAY_BREAK: &str = "may-break";
+
+const BREAKS: Form = Form::Table(&RADIUS);
+
+static RADIUS: Keys = Keys {
+    keys: &[required(
+        "radius",
+        positive(Dimension::LENGTH),
+        "Radius below which necks are cut and holes are closed.",
+    )],
+    exactly_one: &[],
+    at_most_one: &[],
+    needs: &[],
+    kinds: &[],
+};
+
+/// Changes of the topology of a surface.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Topology {
+    /// Necks and holes as thin as the mean length of the edges.
+    MayBreak,
+    /// Necks and holes of this radius.
+    Radius(f64),
+}
+
+impl Topology {
+    pub(super) fn read(surface: Reader<'_>) -> Option<Self> {
+        if surface.text("topology") == Some(MAY_BREAK) {
+            return Some(Self::MayBreak);
+        }
+        surface
+            .table("topology")?
+            .number("radius")
+            .map(Self::Radius)
+    }
+
+    /// The changes in words.
+    pub(crate) fn words(self, number: &Parameters) -> String {
+        let radius = match self {
+            Self::MayBreak => "a mean edge".to_owned(),
+            Self::Radius(radius) => number.of("radius", radius, Dimension::LENGTH).to_string(),
+        };
+        format!("parts at necks, and holes close, of {radius}")
+    }
+}
 
 /// Edges of the new meshes of a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -97,12 +152,7 @@ impl Remesh {
 
 impl Builder<'_> {
     /// Refuses new meshes of surfaces whose vertices have to stay.
-    pub(super) fn remesh(
-        &mut self,
-        surface: &SurfaceScene,
-        reader: Reader<'_>,
-        driver: Option<&Driver>,
-    ) {
+    pub(super) fn remesh(&mut self, surface: &SurfaceScene, reader: Reader<'_>) {
         if surface.remesh.is_none() {
             return;
         }
@@ -120,12 +170,6 @@ impl Builder<'_> {
             refuse(format!(
                 "the edge of \"{name}\" is supported, and its vertices have to stay: leave `remesh` out, or choose \
                  `boundary = \"free\"`"
-            ));
-        }
-        if matches!(driver, Some(Driver::LatticeBoltzmann(_))) {
-            refuse(format!(
-                "the driver \"lattice-boltzmann\" makes no new meshes: leave the `remesh` of \"{name}\" out; `redistribution` \
-                 keeps meshes even as long as it can"
             ));
         }
     }

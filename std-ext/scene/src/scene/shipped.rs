@@ -25,16 +25,18 @@ macro_rules! scenes {
 }
 
 /// All shipped scenes.
-pub const SHIPPED: [ShippedScene; 16] = scenes![
+pub const SHIPPED: [ShippedScene; 18] = scenes![
     "capsule-constriction"
     "capsule-pair"
     "capsule-shear"
     "capsule-shear-lattice"
+    "drop-breakup"
     "red-blood-cell-relax"
     "red-blood-cell-shear"
     "red-blood-cell-stretched"
     "two-domains"
     "vesicle-branches"
+    "vesicle-bud"
     "vesicle-dumbbell"
     "vesicle-oblate-0.7"
     "vesicle-oblate-unstable-0.9"

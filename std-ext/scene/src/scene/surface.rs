@@ -3,7 +3,7 @@
 use super::boundary::Boundary;
 use super::effects::Effects;
 use super::mesh_source::MeshSource;
-use super::remesh::Remesh;
+use super::remesh::{Remesh, Topology};
 use crate::flow::AdhesiveWall;
 use crate::flow::lattice_boltzmann::limits::ImmersedMembrane;
 use crate::info::{MeshInfo, mean_edge};
@@ -32,6 +32,9 @@ pub struct SurfaceScene {
     /// Edges of the new meshes that it gets when its triangles have become narrow; `None` if its mesh stays.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub remesh: Option<Remesh>,
+    /// Changes of its topology; `None` if it stays.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub topology: Option<Topology>,
     /// Viscosity ratio λ of the fluid inside to the fluid of the driver, which is outside of all
     /// surfaces. Only flow drivers use viscosities.
     #[serde(skip_serializing_if = "Option::is_none")]

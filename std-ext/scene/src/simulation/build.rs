@@ -11,13 +11,13 @@ use crate::info::MeshInfo;
 use crate::io::Column;
 use crate::ordered::Ordered;
 use crate::scene::{
-    self, Driver, Effects, MeshFiles, MeshSource, Preparation, Reference, ReferenceSource, Scene,
-    SceneError, SceneFile, Stretch, SurfaceScene, start_shape,
+    self, Driver, Effects, HeldTargets, MeshFiles, MeshSource, Preparation, Reference,
+    ReferenceSource, Scene, SceneError, SceneFile, Stretch, SurfaceScene, start_shape,
 };
 use helfrich::interaction::RepulsionMemory;
 use helfrich::shapes::Shape;
 use helfrich::{
-    AnyFunctional, Constraint, ConstraintError, Constraints, Images, Repulsion, Surface, Targets,
+    AnyFunctional, Constraint, ConstraintError, Constraints, Images, Repulsion, Surface,
     TriangleMesh,
 };
 use std::ops::Range;
@@ -260,7 +260,7 @@ struct Preparing<'a> {
     mesh: &'a Arc<TriangleMesh>,
     positions: &'a [[f64; 3]],
     /// Targets that are known from an earlier mesh.
-    targets: Vec<(&'static str, Targets<f64>)>,
+    targets: Vec<HeldTargets>,
     /// See [`BodyMesh::ratios`].
     ratios: Vec<[f64; 2]>,
     /// The positions of the reference of an effect.
@@ -271,7 +271,8 @@ struct Preparing<'a> {
 impl Preparing<'_> {
     fn body(&mut self, vertices: Range<usize>) -> Result<Body, BuildError> {
         // Components keep their order, in which targets and ratios are.
-        let is_one = self.ratios.len() < 2;
+        let keeps = !self.targets.is_empty() || !self.ratios.is_empty();
+        let is_one = !keeps || self.mesh.components().1 < 2;
         match Ordered::of(self.mesh).filter(|_| is_one) {
             None => self.body_in(None, vertices),
             // Messages name the vertices of the scene's mesh.
@@ -395,9 +396,8 @@ pub struct BodyMesh {
 }
 
 impl Simulation {
-    /// Prepares the effects on one of the surfaces for a new mesh. The load and the costs of effects stay, and targets of
-    /// held quantities, unless they are to be found `anew`, from this mesh; the components have to be in the order of those
-    /// of the old mesh. Nothing has changed if this fails.
+    /// Prepares the effects on one of the surfaces for a new mesh. The load and the costs of effects stay. Targets of held
+    /// quantities are given, in the order of the components, or found anew from this mesh. Nothing has changed if this fails.
     ///
     /// # Errors
     /// If an effect cannot be prepared for the mesh, or remembers positions of the material.
@@ -409,7 +409,7 @@ impl Simulation {
         scene: &Scene,
         index: usize,
         new: BodyMesh,
-        anew: bool,
+        targets: Vec<HeldTargets>,
     ) -> Result<(), BuildError> {
         let BodyMesh {
             mesh,
@@ -440,11 +440,7 @@ impl Simulation {
             effects: &effects,
             mesh: &Arc::new(mesh),
             positions: &positions,
-            targets: if anew {
-                Vec::new()
-            } else {
-                old.targets.clone()
-            },
+            targets,
             ratios,
             unstressed: &mut unstressed,
             held: &mut held,

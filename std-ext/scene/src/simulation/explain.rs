@@ -205,6 +205,10 @@ fn explain_surface(surface: &SurfaceScene, mesh: &MeshInfo, scene: &Scene) -> Su
         ),
         None => source,
     };
+    let source = match surface.topology {
+        Some(topology) => format!("{source}; {}", topology.words(&number)),
+        None => source,
+    };
     let on = surface.effects.iter().map(|(name, effect)| {
         let (choice, parameters) = effect.explain(&number);
         Active {

@@ -176,6 +176,28 @@ impl<T: ImmersionPrecision> Immersion<T> {
         self.redistribution = redistribution;
     }
 
+    /// Continues with other vertices in the same fluid. All that is set for meshes has to be set anew.
+    ///
+    /// # Errors
+    /// If a vertex is too near to a wall.
+    pub fn continue_at(&mut self, positions: &[[f64; 3]]) -> Result<(), LatticeError> {
+        for vertices in [&mut self.velocities, &mut self.moving, &mut self.forces] {
+            vertices.clear();
+            vertices.resize(positions.len(), [0.0; 3]);
+        }
+        self.placed = positions.iter().map(|&at| self.on_lattice(at)).collect();
+        self.immersed.place(&self.lattice, &self.placed)?;
+        // Of the populations alone, which a stored state has.
+        self.lattice.clear_forces();
+        self.immersed
+            .interpolate(&self.lattice, &mut self.velocities);
+        let unit = self.units.velocity();
+        for velocity in &mut self.velocities {
+            *velocity = velocity.map(|component| component * unit);
+        }
+        Ok(())
+    }
+
     /// Lets forces act on ripples of these membranes that are too short for the kernel.
     pub fn resist(&mut self, ripples: Ripples) {
         self.ripples = ripples;

@@ -5,6 +5,7 @@ mod checkpoints;
 mod deformation;
 mod enclosure;
 mod interruption;
+mod parting;
 mod pictures;
 mod plots;
 mod remeshing;

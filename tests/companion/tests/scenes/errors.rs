@@ -461,14 +461,9 @@ fn contradictions_of_elasticity_and_targets_are_refused() {
         &["the edge of \"cell\" is supported, and its vertices have to stay"],
     );
     refused(
-        &renewed(&with(bent))
-            .replace(
-                "[driver]",
-                "[driver]\nviscosity = 1\nduration = 1\nspacing = 0.5\nbox = [8, 8, 8]",
-            )
-            .replace("relax", "lattice-boltzmann"),
-        [12, 10],
-        &["the driver \"lattice-boltzmann\" makes no new meshes"],
+        &with(bent).replace("vertices = 642", "vertices = 642\ntopology = \"may-break\""),
+        [8, 1],
+        &["`topology` also needs `remesh`"],
     );
     refused(
         &with(bent).replace("vertices = 642", "vertices = 642\nremesh = {}"),

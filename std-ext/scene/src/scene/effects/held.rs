@@ -7,8 +7,9 @@ use super::{
     EffectError, Effects, Geometry, MeshCheck, Parameter, Parameters, Preparation, Reader,
 };
 use crate::effect::MembranePart;
+use crate::held::Quantity;
 use crate::six::Six;
-use helfrich::{AnyFunctional, Targets};
+use helfrich::{AnyFunctional, Surface, Targets};
 use serde::Serialize;
 
 /// The way in which a quantity is kept at its target.
@@ -68,6 +69,43 @@ impl Hold {
         let modulus = modulus.map(|modulus| number.of("modulus", modulus, dimension));
         let parameters = modulus.into_iter().chain(target);
         (format!("{kind}{initial}"), parameters.collect())
+    }
+}
+
+/// The targets of a held quantity of a surface.
+#[derive(Clone, Debug)]
+pub struct HeldTargets {
+    /// The effect that holds it.
+    pub effect: &'static str,
+    /// The quantity.
+    pub quantity: AnyFunctional,
+    /// A target for each component, or one for all.
+    pub targets: Targets<f64>,
+}
+
+impl HeldTargets {
+    /// The targets of the parts of a surface that has parted: each part gets as much of the target of the component to which
+    /// it belonged as it has of the quantity.
+    pub fn of_parts(&self, parents: &[u32], parts: Surface<'_, f64>) -> Self {
+        let present = Quantity::targets(self.quantity, parts);
+        let all = |parent: u32| -> f64 {
+            let siblings = parents.iter().enumerate();
+            let siblings = siblings.filter(|&(_, &other)| other == parent);
+            siblings.map(|(part, _)| present.at(part)).sum()
+        };
+        let targets = parents.iter().enumerate().map(|(part, &parent)| {
+            let share = present.at(part) / all(parent);
+            let target = self.targets.at(parent as usize);
+            if share.is_finite() {
+                share * target
+            } else {
+                target
+            }
+        });
+        Self {
+            targets: Targets::PerComponent(targets.collect()),
+            ..*self
+        }
     }
 }
 
@@ -138,10 +176,14 @@ impl Preparation<'_> {
         targets: Targets<f64>,
     ) -> Result<(), EffectError> {
         let mut known = self.targets.iter();
-        let targets = match known.find(|(known, _)| *known == name) {
-            Some((_, targets)) => targets.clone(),
+        let targets = match known.find(|known| known.effect == name) {
+            Some(known) => known.targets.clone(),
             None => {
-                self.targets.push((name, targets.clone()));
+                self.targets.push(HeldTargets {
+                    effect: name,
+                    quantity,
+                    targets: targets.clone(),
+                });
                 targets
             }
         };

@@ -1,7 +1,7 @@
 //! Effects prepared for the mesh of their surface.
 
 use super::super::material::Material;
-use super::{Effects, Geometry, Stretch};
+use super::{Effects, Geometry, HeldTargets, Stretch};
 use crate::effect::{CannotBend, CompiledPotential, Effect, Lumping, Viscosity};
 use crate::held::Quantity;
 use crate::io::ColumnPlace;
@@ -54,9 +54,8 @@ pub(crate) struct Preparation<'a> {
     pub(crate) forces: Vec<Effect>,
     /// Constraints, each with the name of its effect.
     pub(crate) constraints: Vec<(&'static str, Constraint<f64>)>,
-    /// The targets of held quantities, each with the name of its effect: those that were known before, or that have been
-    /// prepared so far.
-    pub(crate) targets: Vec<(&'static str, Targets<f64>)>,
+    /// The targets of held quantities: those that were known before, or that have been prepared so far.
+    pub(crate) targets: Vec<HeldTargets>,
     /// Area and volume of each component over those of its flat triangles, where exactly held ones are those of the smooth
     /// surface through the vertices; empty where they are those of the triangles.
     pub(crate) ratios: &'a [[f64; 2]],

@@ -5,7 +5,7 @@ use super::super::builder::Builder;
 use super::super::effects::{Check, Effects, Stiffness};
 use super::super::problem::Problem;
 use super::super::reader::Reader;
-use super::super::remesh::Remesh;
+use super::super::remesh::{Remesh, Topology};
 use super::super::value::default_name;
 use super::super::{Driver, MeshSource, Orientation, SurfaceScene};
 use crate::generate::{AnyShape, Family, check as check_mesh};
@@ -28,6 +28,7 @@ impl Builder<'_> {
                 .and_then(Boundary::parse)
                 .unwrap_or_default(),
             remesh: Remesh::read(surface),
+            topology: Topology::read(surface),
             viscosity_ratio: surface.number("viscosity_ratio"),
             effects: Effects::read(surface, &source, self),
             source,
@@ -77,7 +78,7 @@ impl Builder<'_> {
         for (_, effect) in effects.iter() {
             effect.check(&mut check);
         }
-        self.remesh(surface, reader, driver);
+        self.remesh(surface, reader);
         match driver {
             None => {}
             Some(Driver::Relax(_)) => self.without_fluid(surface, reader),

@@ -4,7 +4,7 @@ use super::super::boundary::BOUNDARY;
 use super::super::effects;
 use super::super::keys::{Form, Key, Keys, NUMBER, any, joined, optional, plain, required};
 use super::super::mesh_source::WELD;
-use super::super::remesh::REMESH;
+use super::super::remesh::{REMESH, TOPOLOGY};
 use super::super::units::Dimension;
 
 pub(super) static SURFACE: Keys = Keys {
@@ -31,6 +31,7 @@ const OWN: &[Key] = &[
     ORIENTATION,
     BOUNDARY,
     REMESH,
+    TOPOLOGY,
     optional(
         "viscosity_ratio",
         NUMBER,
@@ -51,6 +52,7 @@ const PLACED: Keys = Keys {
         ["seed", "shape"],
         ["match_volume", "shape"],
         ["weld", "mesh"],
+        ["topology", "remesh"],
     ],
     kinds: &[],
 };
