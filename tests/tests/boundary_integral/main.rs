@@ -4,6 +4,7 @@ mod clusters;
 mod double_layer;
 mod nested;
 mod panels;
+mod pressure;
 mod single_layer;
 
 use helfrich_std::flow::SingleLayer;

@@ -15,7 +15,8 @@ use std::time::Instant;
 pub const SOLUTION_TOLERANCE: f64 = 1e-8;
 
 /// Membranes suspended in unbounded fluid. Their velocity is that of the ambient flow plus that due to
-/// their forces, by the boundary integrals of Stokes flow.
+/// their forces, by the boundary integrals of Stokes flow. A uniform pressure on a membrane whose volume is
+/// [kept](Self::keep_volumes) moves nothing, and is left out: see [`KeptVolumes::balance`].
 ///
 /// Where viscosities differ inside and outside, or membranes are viscous themselves, forces depend on
 /// the velocities, which are then the solution of a linear system: `u = b + K u`.
@@ -170,6 +171,7 @@ impl Suspension {
         velocities: &mut [[f64; 3]],
     ) -> Result<(), String> {
         membranes.set_forces(positions, &mut self.forces)?;
+        self.volumes.balance(positions, &mut self.forces);
         velocities.fill([0.0; 3]);
         if let Some(ambient) = &self.ambient {
             ambient.add_velocity(positions, velocities);
@@ -281,9 +283,11 @@ impl Suspension {
             membranes.add_viscous_forces(positions, &self.solution, &mut self.forces);
         }
         self.single.set_forces(positions, &self.forces);
-        self.single.add_at_points(points, &mut fluid.velocity);
         self.single
             .add_pressure_at_points(points, &mut fluid.pressure);
+        self.volumes.balance(positions, &mut self.forces);
+        self.single.set_forces(positions, &self.forces);
+        self.single.add_at_points(points, &mut fluid.velocity);
         if let Some(double) = &mut self.double {
             double.set_positions(positions);
             double.set_velocities(&self.solution);

@@ -73,6 +73,18 @@ impl KeptVolumes {
         }
     }
 
+    /// Removes a uniform pressure from the nodal forces on each component: p ∂V/∂x_i with the mean p of the normal forces.
+    /// Incompressible fluid inside carries a uniform pressure without any motion, but flat triangles make velocities of it,
+    /// of second order in their edges; and in a drop it is 1/Ca times larger than the forces that move the drop.
+    ///
+    /// # Panics
+    /// If there is not one position and one force per vertex.
+    pub fn balance(&mut self, positions: &[[f64; 3]], forces: &mut [[f64; 3]]) {
+        for volume in &mut self.0 {
+            volume.balance(positions, forces);
+        }
+    }
+
     /// Moves positions so that volumes have their initial values. If that fails, positions are
     /// unchanged, and the volume shows the error.
     ///
@@ -86,6 +98,26 @@ impl KeptVolumes {
 }
 
 impl KeptVolume {
+    fn balance(&mut self, positions: &[[f64; 3]], forces: &mut [[f64; 3]]) {
+        let gradient = &mut self.gradient;
+        let positions = &positions[self.vertices.clone()];
+        let forces = &mut forces[self.vertices.clone()];
+        self.held.gradient(0, positions, gradient);
+        let mut sums = vec![[0.0; 2]; self.components];
+        let groups = self.held.groups();
+        for ((&group, &gradient), &force) in groups.iter().zip(&*gradient).zip(&*forces) {
+            let gradient = DVec3::from(gradient);
+            let [normal, area] = &mut sums[group as usize];
+            *normal += gradient.normalize_or_zero().dot(force.into());
+            *area += gradient.length();
+        }
+        for ((&group, &gradient), force) in groups.iter().zip(&*gradient).zip(forces) {
+            let [normal, area] = sums[group as usize];
+            let pressure = if area > 0.0 { normal / area } else { 0.0 };
+            *force = (DVec3::from(*force) - pressure * DVec3::from(gradient)).to_array();
+        }
+    }
+
     fn correct(&mut self, positions: &[[f64; 3]], velocities: &mut [[f64; 3]]) {
         let gradient = &mut self.gradient;
         let positions = &positions[self.vertices.clone()];
