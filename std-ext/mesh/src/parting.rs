@@ -51,7 +51,7 @@ pub fn parted(surface: Surface<'_, f64>, radius: f64) -> Option<Parted> {
     let longest = 2.0 * PI * radius;
     let hole = borders(surface.mesh()).find(|border| around(surface, border) <= longest);
     if let Some(hole) = hole {
-        return Some(Parts::of(surface).closed(&[hole], Break::Hole));
+        return Some(OpenParts::of(surface).closed(&[hole], Break::Hole));
     }
     // A part that is hardly more than the caps of the neck is none.
     let least = 4.0 * PI * radius * radius;
@@ -80,7 +80,7 @@ fn around(surface: Surface<'_, f64>, path: &[u32]) -> f64 {
 }
 
 /// A mesh of vertices and triangles of another one.
-struct Parts {
+struct OpenParts {
     mesh: TriangleMesh,
     positions: Vec<[f64; 3]>,
     vertices: Vec<u32>,
@@ -88,12 +88,12 @@ struct Parts {
 }
 
 /// The surface cut along a closed path of edges.
-fn cut(surface: Surface<'_, f64>, path: &[u32]) -> Parts {
+fn cut(surface: Surface<'_, f64>, path: &[u32]) -> OpenParts {
     let next = path.iter().cycle().skip(1);
     let lines = path.iter().zip(next).map(|(&from, &to)| [from, to]);
     let edited = EditableMesh::with_lines(surface.mesh(), &Vec::from_iter(lines)).cut();
     let positions = edited.vertices.iter();
-    Parts {
+    OpenParts {
         positions: positions
             .map(|&old| surface.positions()[old as usize])
             .collect(),
@@ -103,7 +103,7 @@ fn cut(surface: Surface<'_, f64>, path: &[u32]) -> Parts {
     }
 }
 
-impl Parts {
+impl OpenParts {
     fn of(surface: Surface<'_, f64>) -> Self {
         let mesh = surface.mesh().clone();
         Self {

@@ -22,8 +22,8 @@ pub(super) fn neck(
     longest: f64,
     accept: impl Fn(&[u32]) -> bool,
 ) -> Option<Vec<u32>> {
-    let mut search = Search::new(surface, longest);
-    let mut shortest: Option<Loop> = None;
+    let mut search = PathSearch::new(surface, longest);
+    let mut shortest: Option<ClosedPath> = None;
     // Paths that are shortest for all of their vertices.
     let mut is_known = vec![false; surface.positions().len()];
     let mut judged = HashSet::new();
@@ -89,13 +89,13 @@ fn curved(surface: Surface<'_, f64>, least: f64) -> Vec<u32> {
 }
 
 /// A closed path.
-struct Loop {
+struct ClosedPath {
     length: f64,
     vertices: Vec<u32>,
 }
 
 /// A search around one vertex after the other.
-struct Search<'a> {
+struct PathSearch<'a> {
     surface: Surface<'a, f64>,
     longest: f64,
     /// The place of each vertex among those of the present search.
@@ -116,7 +116,7 @@ struct Reached {
     edges: u32,
 }
 
-impl<'a> Search<'a> {
+impl<'a> PathSearch<'a> {
     fn new(surface: Surface<'a, f64>, longest: f64) -> Self {
         Self {
             surface,
@@ -131,7 +131,7 @@ impl<'a> Search<'a> {
     }
 
     /// The shortest path of a neck through the surroundings of a vertex.
-    fn around(&mut self, centre: u32) -> Option<Loop> {
+    fn around(&mut self, centre: u32) -> Option<ClosedPath> {
         self.grow(centre);
         if self.is_disc() {
             return None;
@@ -239,7 +239,7 @@ impl<'a> Search<'a> {
     }
 
     /// The path along the tree that an edge closes, without the part that both branches share.
-    fn closed(&self, one: u32, other: u32) -> Option<Loop> {
+    fn closed(&self, one: u32, other: u32) -> Option<ClosedPath> {
         let at = |place: u32| self.tree[place as usize];
         let (mut ends, mut branches) = ([one, other], [vec![one], vec![other]]);
         while ends[0] != ends[1] {
@@ -252,7 +252,7 @@ impl<'a> Search<'a> {
         let length = lengths[0] + edge + lengths[1];
         let [mut path, back] = branches;
         path.extend(back.iter().rev().skip(1));
-        (length <= self.longest).then(|| Loop {
+        (length <= self.longest).then(|| ClosedPath {
             length,
             vertices: path.iter().map(|&place| at(place).vertex).collect(),
         })
