@@ -45,20 +45,20 @@ pub struct Parted {
 /// The surface with a hole closed, or else with the thinnest neck cut and closed on both sides; none if no hole and no neck
 /// is shorter around than a circle of this radius.
 ///
-/// A neck is a closed path of edges that cannot be shrunk to a point within half its greatest length. It is not cut if one of
-/// the parts would have less area than a sphere of the radius.
+/// A neck is a closed path of edges that cannot be shrunk to a point within half its greatest length. No part becomes smaller
+/// than a sphere of the radius, by its area.
 pub fn parted(surface: Surface<'_, f64>, radius: f64) -> Option<Parted> {
     let longest = 2.0 * PI * radius;
-    let hole = borders(surface.mesh()).find(|border| around(surface, border) <= longest);
-    if let Some(hole) = hole {
-        return Some(OpenParts::of(surface).closed(&[hole], Break::Hole));
-    }
-    // A part that is hardly more than the caps of the neck is none.
+    // A part that is hardly more than its caps is none, and a small patch has no hole.
     let least = 4.0 * PI * radius * radius;
-    let is_neck = |path: &[u32]| {
-        let parts = cut(surface, path);
-        parts.areas(surface).iter().all(|&area| area > least)
+    let whole = OpenParts::of(surface);
+    let is_hole = |border: &Vec<u32>| {
+        around(surface, border) <= longest && whole.smallest(surface, border) > least
     };
+    if let Some(hole) = borders(surface.mesh()).find(is_hole) {
+        return Some(whole.closed(&[hole], Break::Hole));
+    }
+    let is_neck = |path: &[u32]| cut(surface, path).smallest(surface, path) > least;
     let path = neck(surface, longest, is_neck)?;
     let open = cut(surface, &path);
     let own = |border: &Vec<u32>| {
@@ -114,14 +114,17 @@ impl OpenParts {
         }
     }
 
-    /// The area of each component.
-    fn areas(&self, old: Surface<'_, f64>) -> Vec<f64> {
+    /// The least area of the components that have one of these vertices of the surface, from the areas there.
+    fn smallest(&self, old: Surface<'_, f64>, vertices: &[u32]) -> f64 {
         let (components, count) = self.mesh.components();
         let mut areas = vec![0.0; count];
         for (triangle, corners) in self.mesh.triangles().iter().enumerate() {
             areas[components[corners[0] as usize] as usize] += old.triangle_area(triangle);
         }
-        areas
+        let here = self.vertices.iter().zip(&components);
+        let here = here.filter(|(vertex, _)| vertices.contains(vertex));
+        let areas = here.map(|(_, &component)| areas[component as usize]);
+        areas.fold(f64::INFINITY, f64::min)
     }
 
     /// Closes these borders by caps: triangles around a new vertex in their middle, or one.

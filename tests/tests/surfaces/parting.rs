@@ -9,7 +9,7 @@ use std::f64::consts::{PI, TAU};
 
 /// The sphere drawn out along x, with this radius at x = 0, and even triangles.
 fn dumbbell(waist: f64) -> Mesh {
-    let narrow = icosphere(5).map(|[x, y, z]| {
+    let narrow = icosphere(4).map(|[x, y, z]| {
         let width = 1.0 - (1.0 - waist) * (-(2.0 * x).powi(2)).exp();
         [2.0 * x, width * y, width * z]
     });
@@ -60,7 +60,7 @@ fn check(before: &Mesh, after: &Parted, radius: f64) {
 /// both parts are closed, and together they have the volume.
 #[test]
 fn a_neck_is_cut_and_closed_on_both_sides() {
-    for waist in [0.1, 0.2] {
+    for waist in [0.2, 0.3] {
         let mesh = dumbbell(waist);
         assert!(parted(mesh.surface(), 0.9 * waist).is_none());
         let after = parted(mesh.surface(), 1.2 * waist).expect("a neck");
@@ -96,6 +96,23 @@ fn a_neck_is_cut_and_closed_on_both_sides() {
         let surface = Surface::new(&after.mesh, &after.positions).expect("finite");
         assert!(parted(surface, 1.2 * waist).is_none());
     }
+}
+
+/// What is elsewhere in the mesh, however small, does not matter; and small patches and triangles are not closed.
+#[test]
+fn small_parts_stay_as_they_are() {
+    let small = icosphere(1).map(|x| x.map(|x| 0.01 * x));
+    let patch = Mesh::new(
+        vec![[0.0; 3], [0.01, 0.0, 0.0], [0.0, 0.01, 0.0]],
+        vec![[0, 1, 2]],
+    );
+    let mesh = dumbbell(0.2).beside(&small, [0.0, 3.0, 0.0]);
+    let mesh = mesh.beside(&patch, [0.0, 5.0, 0.0]);
+    let after = parted(mesh.surface(), 0.24).expect("a neck");
+    check(&mesh, &after, 0.2);
+    assert_eq!(after.mesh.components().1, 4);
+    let surface = Surface::new(&after.mesh, &after.positions).expect("finite");
+    assert!(parted(surface, 0.24).is_none());
 }
 
 /// The handle of a torus, whose tube has the radius 0.4, is cut, and the surface stays in one part.
