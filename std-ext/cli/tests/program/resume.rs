@@ -415,10 +415,32 @@ fn killed_at_any_moment_and_resumed_nothing_is_different() {
     assert_ne!(implicit, FLOW);
     // Long enough that most of the kills come before its end.
     let relaxed = sparse().replace("vertices = 162", "vertices = 642");
-    for text in [&*relaxed, FLOW, &implicit, LATTICE] {
+    for text in [&*relaxed, FLOW, &implicit, LATTICE, RENEWED] {
         check_killed(text);
     }
 }
+
+/// A drop that gets a new mesh again and again.
+const RENEWED: &str = r#"
+units = "none"
+[[surface]]
+name = "drop"
+shape = "sphere:1"
+vertices = 162
+match_volume = true
+remesh = "auto"
+tension.value = 1
+[driver]
+kind = "boundary-integral"
+viscosity = 1
+flow = { kind = "shear", rate = 0.8 }
+strain = 6
+[output]
+strain_interval = 1
+files_every = 2
+checkpoint_every = 1
+pictures = false
+"#;
 
 /// Two runs, and what is left of one of them that is killed again and again.
 fn check_killed(text: &str) {

@@ -98,10 +98,10 @@ impl Topology {
     /// The changes in words.
     pub(crate) fn words(self, number: &Parameters) -> String {
         let radius = match self {
-            Self::MayBreak => "a mean edge".to_owned(),
+            Self::MayBreak => "radius = a mean edge".to_owned(),
             Self::Radius(radius) => number.of("radius", radius, Dimension::LENGTH).to_string(),
         };
-        format!("parts at necks, and holes close, of {radius}")
+        format!("thinner necks are cut and smaller holes are closed: {radius}")
     }
 }
 
