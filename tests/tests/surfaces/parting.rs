@@ -32,7 +32,7 @@ fn volumes(parted: &Parted, positions: &[[f64; 3]]) -> Vec<f64> {
         .to_vec()
 }
 
-/// What is true of all changes: triangles that were there stay, with their corners, and only caps are new.
+/// Triangles that were there stay, with their corners, and only caps are new.
 fn check(before: &Mesh, after: &Parted, radius: f64) {
     let old = before.connectivity.triangles();
     for (triangle, corners) in old.iter().enumerate() {
@@ -98,7 +98,7 @@ fn a_neck_is_cut_and_closed_on_both_sides() {
     }
 }
 
-/// What is elsewhere in the mesh, however small, does not matter; and small patches and triangles are not closed.
+/// Other components, however small, do not matter, and small patches and triangles are not closed.
 #[test]
 fn small_parts_stay_as_they_are() {
     let small = icosphere(1).map(|x| x.map(|x| 0.01 * x));

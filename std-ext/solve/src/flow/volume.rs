@@ -99,43 +99,47 @@ impl KeptVolumes {
 
 impl KeptVolume {
     fn balance(&mut self, positions: &[[f64; 3]], forces: &mut [[f64; 3]]) {
-        let gradient = &mut self.gradient;
-        let positions = &positions[self.vertices.clone()];
         let forces = &mut forces[self.vertices.clone()];
-        self.held.gradient(0, positions, gradient);
-        let mut sums = vec![[0.0; 2]; self.components];
-        let groups = self.held.groups();
-        for ((&group, &gradient), &force) in groups.iter().zip(&*gradient).zip(&*forces) {
-            let gradient = DVec3::from(gradient);
-            let [normal, area] = &mut sums[group as usize];
-            *normal += gradient.normalize_or_zero().dot(force.into());
-            *area += gradient.length();
-        }
-        for ((&group, &gradient), force) in groups.iter().zip(&*gradient).zip(forces) {
-            let [normal, area] = sums[group as usize];
-            let pressure = if area > 0.0 { normal / area } else { 0.0 };
+        let normal = |gradient: DVec3, force: DVec3| gradient.normalize_or_zero().dot(force);
+        let pressures = self.means(positions, forces, normal);
+        let groups = self.held.groups().iter().zip(&self.gradient);
+        for ((&group, &gradient), force) in groups.zip(forces) {
+            let pressure = pressures[group as usize];
             *force = (DVec3::from(*force) - pressure * DVec3::from(gradient)).to_array();
         }
     }
 
     fn correct(&mut self, positions: &[[f64; 3]], velocities: &mut [[f64; 3]]) {
-        let gradient = &mut self.gradient;
-        let positions = &positions[self.vertices.clone()];
         let velocities = &mut velocities[self.vertices.clone()];
-        self.held.gradient(0, positions, gradient);
-        let mut sums = vec![[0.0; 2]; self.components];
-        let groups = self.held.groups();
-        for ((&group, &gradient), &velocity) in groups.iter().zip(&*gradient).zip(&*velocities) {
-            let gradient = DVec3::from(gradient);
-            let [rate, area] = &mut sums[group as usize];
-            *rate += gradient.dot(velocity.into());
-            *area += gradient.length();
-        }
-        for ((&group, &gradient), velocity) in groups.iter().zip(&*gradient).zip(velocities) {
-            let [rate, area] = sums[group as usize];
+        let speeds = self.means(positions, velocities, DVec3::dot);
+        let groups = self.held.groups().iter().zip(&self.gradient);
+        for ((&group, &gradient), velocity) in groups.zip(velocities) {
             let normal = DVec3::from(gradient).normalize_or_zero();
-            let speed = if area > 0.0 { rate / area } else { 0.0 };
+            let speed = speeds[group as usize];
             *velocity = (DVec3::from(*velocity) - speed * normal).to_array();
         }
+    }
+
+    /// For each component, the sum over its vertices of a product of the gradient of the volume and a vector there, over the
+    /// sum of the lengths of the gradients, which is its area; 0 without area.
+    fn means(
+        &mut self,
+        positions: &[[f64; 3]],
+        vectors: &[[f64; 3]],
+        product: impl Fn(DVec3, DVec3) -> f64,
+    ) -> Vec<f64> {
+        let positions = &positions[self.vertices.clone()];
+        self.held.gradient(0, positions, &mut self.gradient);
+        let mut sums = vec![[0.0; 2]; self.components];
+        let groups = self.held.groups().iter().zip(&self.gradient);
+        for ((&group, &gradient), &vector) in groups.zip(vectors) {
+            let gradient = DVec3::from(gradient);
+            let [sum, area] = &mut sums[group as usize];
+            *sum += product(gradient, vector.into());
+            *area += gradient.length();
+        }
+        let means = sums.into_iter();
+        let means = means.map(|[sum, area]| if area > 0.0 { sum / area } else { 0.0 });
+        means.collect()
     }
 }
