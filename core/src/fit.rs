@@ -3,6 +3,7 @@
 //!
 //! Several vertices are fitted at once, one in each entry of a lane.
 
+pub(crate) mod cholesky;
 mod graph;
 mod inversion;
 mod least_squares;

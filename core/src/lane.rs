@@ -7,7 +7,7 @@ use crate::real::Real;
 use core::fmt::Debug;
 use core::ops::{Add, Mul, Neg, Sub};
 
-pub(crate) use several::{Several, WIDTH};
+pub(crate) use several::{Several, WIDTH, Wide};
 
 /// One or several reals that go through a formula together.
 ///

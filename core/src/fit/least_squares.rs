@@ -6,7 +6,8 @@
 //! operations; only the pivots differ. Sums run over the rows in their order, so that neither rows
 //! of zeros, which pad shorter matrices, nor the other matrices change any bit.
 
-use crate::lane::{Lane, Several, WIDTH};
+use super::cholesky::dot;
+use crate::lane::{Lane, Several, WIDTH, Wide};
 use crate::real::Real;
 use alloc::vec::Vec;
 use core::array;
@@ -14,9 +15,6 @@ use core::array;
 /// Number of columns that are transformed together: their sums are independent, so that none waits
 /// for another.
 const COLUMNS: usize = 4;
-
-/// Number of partial sums of a single sum, by row number, for the same reason.
-const SUMS: usize = 4;
 
 /// The factorisations `A D P = Q R`, with D scaling columns to unit length. They are kept so that
 /// both solutions and rows of functionals can be computed.
@@ -240,21 +238,4 @@ fn left_of<T: Real>(columns: &[Several<T>], norms: Several<T>) -> Several<T> {
         left = Several::select(least.less(left), left, measured);
     }
     left
-}
-
-/// Scalar products.
-#[inline(always)]
-pub(super) fn dot<T: Real>(a: &[Several<T>], b: &[Several<T>]) -> Several<T> {
-    let mut sums = [Several::zero(); SUMS];
-    let (whole_a, rest_a) = a.as_chunks::<SUMS>();
-    let (whole_b, rest_b) = b.as_chunks::<SUMS>();
-    for (a, b) in whole_a.iter().zip(whole_b) {
-        for k in 0..SUMS {
-            sums[k] = sums[k].plus(a[k].times(b[k]));
-        }
-    }
-    for (k, (&a, &b)) in rest_a.iter().zip(rest_b).enumerate() {
-        sums[k] = sums[k] + a * b;
-    }
-    (sums[0] + sums[2]) + (sums[1] + sums[3])
 }

@@ -1,6 +1,6 @@
 //! Monomials of two variables in order of their degrees, and their sums over weighted points.
 
-use crate::lane::{Lane, Several};
+use crate::lane::{Lane, Several, Wide};
 use crate::real::Real;
 use alloc::vec::Vec;
 

@@ -6,11 +6,10 @@
 //! the fit. Normal equations therefore serve well-conditioned fits only; one refinement makes their
 //! solution as accurate as that of an orthogonal factorisation.
 //!
-//! G. H. Golub and C. F. Van Loan, Matrix Computations, sections 4.1, 4.2.8 and 5.3; Å. Björck,
-//! Linear Algebra Appl. 88/89 (1987) 31 (refinement).
+//! G. H. Golub and C. F. Van Loan, Matrix Computations, section 5.3; Å. Björck, Linear Algebra Appl. 88/89 (1987) 31 (refinement).
 
-use super::least_squares::dot;
-use super::moments::{MONOMIALS, Points, SUMS, coefficient_count, evaluate, place_of, set_moments};
+use super::cholesky;
+use super::moments::{MONOMIALS, Points, coefficient_count, evaluate, place_of, set_moments};
 use crate::lane::{Lane, Several};
 use crate::real::Real;
 use alloc::vec::Vec;
@@ -21,11 +20,8 @@ pub(crate) struct NormalEquations<T> {
     degree: usize,
     /// `Σ w x^a y^b` up to twice the degree.
     moments: Vec<Several<T>>,
-    /// `Aᵀ W A = L D Lᵀ`: `lower` is L row by row, with `stride` entries to a row; `scaled` is one row
-    /// of L D.
-    stride: usize,
+    /// L of `Aᵀ W A = L D Lᵀ`.
     lower: Vec<Several<T>>,
-    scaled: Vec<Several<T>>,
     /// D, in order of the monomials: the squared distance of each column from the span of the columns
     /// before it.
     pivots: Vec<Several<T>>,
@@ -55,7 +51,6 @@ impl<T: Real> NormalEquations<T> {
     #[inline(always)]
     pub(crate) fn set(&mut self, degree: usize, points: Points<'_, T>) {
         self.degree = degree;
-        self.stride = coefficient_count(degree).next_multiple_of(SUMS);
         self.moments
             .resize(place_of(2 * degree, 2 * degree) + 1, Several::zero());
         self.column.clear();
@@ -67,62 +62,24 @@ impl<T: Real> NormalEquations<T> {
             &mut self.column,
             &mut self.powers,
         );
-        self.factorise(coefficient_count(degree));
+        let count = coefficient_count(degree);
+        self.lower
+            .resize(cholesky::row_start(count), Several::zero());
+        self.pivots.resize(count, Several::zero());
+        self.over_pivots.resize(count, Several::zero());
+        let moments = &self.moments;
+        let entry = |i: usize, j: usize| {
+            let ((degree, power), (other, others)) = (MONOMIALS[i], MONOMIALS[j]);
+            moments[place_of(degree + other, power + others)]
+        };
+        let (pivots, over_pivots) = (&mut self.pivots, &mut self.over_pivots);
+        cholesky::factorise(entry, &mut self.lower, pivots, over_pivots);
     }
 
     /// The squared distance of each column from the span of the columns before it.
     #[inline(always)]
     pub(crate) fn pivots(&self) -> &[Several<T>] {
         &self.pivots
-    }
-
-    /// The entry of the matrix for two monomials.
-    #[inline(always)]
-    fn entry(&self, i: usize, j: usize) -> Several<T> {
-        let ((degree, power), (other, others)) = (MONOMIALS[i], MONOMIALS[j]);
-        self.moments[place_of(degree + other, power + others)]
-    }
-
-    #[inline(always)]
-    fn factorise(&mut self, count: usize) {
-        let stride = self.stride;
-        self.lower.resize(stride * stride, Several::zero());
-        self.over_pivots.resize(count, Several::zero());
-        self.pivots.clear();
-        for i in 0..count {
-            let diagonal = self.entry(i, i);
-            self.pivots.push(diagonal);
-        }
-        for j in 0..count {
-            let over = self.pivots[j].reciprocal_or_zero();
-            self.over_pivots[j] = over;
-            self.scaled.clear();
-            let row = self.lower[j * stride..][..j].iter().zip(&self.pivots);
-            self.scaled
-                .extend(row.map(|(&entry, &pivot)| entry * pivot));
-            let mut i = j + 1;
-            while i < count {
-                let mut sums = [Several::zero(); SUMS];
-                for (c, sum) in sums.iter_mut().enumerate().take(count - i) {
-                    *sum = self.entry(i + c, j);
-                }
-                let rows = &self.lower[i * stride..];
-                let row = |c: usize| &rows[c.min(count - i - 1) * stride..][..j];
-                let known = [row(0), row(1), row(2), row(3)];
-                let scaled = &self.scaled[..j];
-                for k in 0..j {
-                    for c in 0..SUMS {
-                        sums[c] = sums[c].minus(known[c][k].times(scaled[k]));
-                    }
-                }
-                for (c, &sum) in sums.iter().enumerate().take(count - i) {
-                    let entry = sum * over;
-                    self.lower[(i + c) * stride + j] = entry;
-                    self.pivots[i + c] = self.pivots[i + c] - entry * sum;
-                }
-                i += SUMS;
-            }
-        }
     }
 
     /// Solves `Aᵀ W (A c − z) = f` with heights z and a functional f of the coefficients, and refines
@@ -170,7 +127,7 @@ impl<T: Real> NormalEquations<T> {
         for (&height, &weight) in heights.iter().zip(points.weights) {
             left = left + weight * height * height;
         }
-        self.substitute();
+        cholesky::substitute(&self.lower, &mut self.right[1..]);
         for (&entry, &over) in self.right[1..].iter().zip(&self.over_pivots) {
             left = left - entry * entry * over;
         }
@@ -187,31 +144,11 @@ impl<T: Real> NormalEquations<T> {
         set_moments(right, self.degree, points, column, &mut self.powers);
     }
 
-    /// Replaces the right-hand side r by the solution y of L y = r.
-    #[inline(always)]
-    fn substitute(&mut self) {
-        let right = &mut self.right[1..];
-        let rows = self.lower.chunks_exact(self.stride);
-        for (i, row) in rows.enumerate().take(right.len()) {
-            right[i] = right[i] - dot(&row[..i], &right[..i]);
-        }
-    }
-
     /// Adds to `coefficients` the solution for the right-hand side, which is overwritten.
     #[inline(always)]
     fn add_solution(&mut self, coefficients: &mut [Several<T>]) {
-        self.substitute();
         let right = &mut self.right[1..];
-        let rows = self.lower.chunks_exact(self.stride);
-        for (entry, &over) in right.iter_mut().zip(&self.over_pivots) {
-            *entry = *entry * over;
-        }
-        for (i, row) in rows.enumerate().take(right.len()).rev() {
-            let last = right[i];
-            for (entry, &factor) in right[..i].iter_mut().zip(row) {
-                *entry = entry.minus(factor.times(last));
-            }
-        }
+        cholesky::solve(&self.lower, &self.over_pivots, right);
         for (coefficient, &entry) in coefficients.iter_mut().zip(&*right) {
             *coefficient = *coefficient + entry;
         }

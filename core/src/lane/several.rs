@@ -28,30 +28,45 @@ macro_rules! entries {
 #[repr(align(32))]
 pub(crate) struct Several<T>(pub(crate) [T; WIDTH]);
 
-/// The operators as loops, for the innermost loops of fits: compilers make wider vectors of them in f32, which is a fifth
-/// faster.
-impl<T: Real> Several<T> {
+/// The operators for the innermost loops of fits.
+pub(crate) trait Wide: Lane {
     /// `self + other`.
     #[inline(always)]
-    pub(crate) fn plus(mut self, other: Self) -> Self {
+    fn plus(self, other: Self) -> Self {
+        self + other
+    }
+    /// `self - other`.
+    #[inline(always)]
+    fn minus(self, other: Self) -> Self {
+        self - other
+    }
+    /// `self * other`.
+    #[inline(always)]
+    fn times(self, other: Self) -> Self {
+        self * other
+    }
+}
+
+impl<T: Real> Wide for T {}
+
+/// Loops, of which compilers make wider vectors in f32, which is a fifth faster.
+impl<T: Real> Wide for Several<T> {
+    #[inline(always)]
+    fn plus(mut self, other: Self) -> Self {
         for k in 0..WIDTH {
             self.0[k] += other.0[k];
         }
         self
     }
-
-    /// `self - other`.
     #[inline(always)]
-    pub(crate) fn minus(mut self, other: Self) -> Self {
+    fn minus(mut self, other: Self) -> Self {
         for k in 0..WIDTH {
             self.0[k] -= other.0[k];
         }
         self
     }
-
-    /// `self * other`.
     #[inline(always)]
-    pub(crate) fn times(mut self, other: Self) -> Self {
+    fn times(mut self, other: Self) -> Self {
         for k in 0..WIDTH {
             self.0[k] *= other.0[k];
         }

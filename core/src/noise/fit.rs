@@ -165,7 +165,7 @@ impl<T: Real> HeightFit<T> {
                 self.values.clear();
                 self.values.extend(heights);
                 let (scales, upper) = (&mut self.scales, &mut self.upper);
-                least = self.moments.factorise(model, &self.values, scales, upper);
+                least = self.moments.set_upper(model, &self.values, scales, upper);
                 self.by_moments = serves(least);
             }
             if !self.by_moments {

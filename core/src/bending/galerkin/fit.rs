@@ -11,7 +11,9 @@
 
 use super::plan::{COUNT, DEGREE, VertexBlock};
 use super::polynomial::Polynomial;
-use crate::fit::{MONOMIALS, Points, coefficient_count, exponential, place_of, set_moments};
+use crate::fit::{
+    MONOMIALS, Points, cholesky, coefficient_count, exponential, place_of, set_moments,
+};
 use crate::lane::{Lane, Several, WIDTH};
 use crate::real::Real;
 use crate::surface::Surface;
@@ -19,9 +21,7 @@ use crate::vec3::{Vec3, add, dot, scale, tangent_frame};
 use alloc::vec::Vec;
 
 /// Entries of a matrix below its diagonal.
-const BELOW: usize = COUNT * (COUNT - 1) / 2;
-/// Number of rows that are eliminated together: none waits for another.
-const TOGETHER: usize = 4;
+const BELOW: usize = cholesky::row_start(COUNT);
 /// Exponent of the weights at the radius.
 pub(super) const SHARPNESS: f64 = 14.0;
 /// Square of the distance, in radii, within which weights do not grow further.
@@ -64,7 +64,8 @@ pub(super) struct Fit<T> {
     pub(super) radius: Several<T>,
     pub(super) over_radius: Several<T>,
     pub(super) coefficients: [Several<T>; COUNT],
-    /// `A = L D Lᵀ`: L below its diagonal, row by row, and D⁻¹.
+    /// Number of coefficients, and L and D⁻¹ of `A = L D Lᵀ`.
+    count: usize,
     lower: [Several<T>; BELOW],
     over_pivots: [Several<T>; COUNT],
     /// The least pivot over the diagonal of A.
@@ -82,6 +83,7 @@ impl<T: Real> Default for Fit<T> {
             radius: zero,
             over_radius: zero,
             coefficients: [zero; COUNT],
+            count: 0,
             lower: [zero; BELOW],
             over_pivots: [zero; COUNT],
             weakest: zero,
@@ -135,7 +137,7 @@ impl<T: Real> Sums<T> {
         self.moments.resize(count, Several::zero());
         let (column, powers) = (&mut self.column, &mut self.powers);
         set_moments(&mut self.moments, 2 * degree, points, column, powers);
-        fit.factorise(&self.moments, coefficient_count(degree));
+        fit.set(&self.moments, coefficient_count(degree));
     }
 
     /// The polynomials that are fitted to the values.
@@ -424,97 +426,34 @@ impl<T: Real> Fit<T> {
         )
     }
 
-    /// Factorises the matrix of these moments; of the coefficients from `count` on it is the identity.
+    /// Factorises the matrix of these moments.
     #[inline(always)]
-    fn factorise(&mut self, moments: &[Several<T>], count: usize) {
+    fn set(&mut self, moments: &[Several<T>], count: usize) {
+        let ridge = T::constant(RIDGE) * T::epsilon();
         let entry = |i: usize, j: usize| {
             let ((degree, power), (other, others)) = (MONOMIALS[i], MONOMIALS[j]);
-            moments[place_of(degree + other, power + others)]
+            let moment = moments[place_of(degree + other, power + others)];
+            if i == j {
+                moment + Several::splat(ridge * T::constant(DIAGONAL[i]))
+            } else {
+                moment
+            }
         };
-        let ridge = T::constant(RIDGE) * T::epsilon();
-        let mut scaled = [[Several::zero(); COUNT]; TOGETHER];
+        let mut pivots = [Several::zero(); COUNT];
+        let (pivots, over_pivots) = (&mut pivots[..count], &mut self.over_pivots[..count]);
+        cholesky::factorise(entry, &mut self.lower, pivots, over_pivots);
+        self.count = count;
         self.weakest = Several::literal(1.0);
-        self.over_pivots = [Several::literal(1.0); COUNT];
-        self.lower[row_start(count).min(BELOW)..].fill(Several::zero());
-        let mut first = 0;
-        while first < count {
-            let rows = (count - first).min(TOGETHER);
-            for j in 0..first {
-                let mut sums = [Several::zero(); TOGETHER];
-                for (c, sum) in sums.iter_mut().enumerate().take(rows) {
-                    *sum = entry(first + c, j);
-                }
-                let known = &self.lower[row_start(j)..][..j];
-                for (k, &factor) in known.iter().enumerate() {
-                    for c in 0..TOGETHER {
-                        sums[c] = sums[c] - scaled[c][k] * factor;
-                    }
-                }
-                for c in 0..TOGETHER {
-                    scaled[c][j] = sums[c];
-                }
-            }
-            for (c, scaled) in scaled.iter_mut().enumerate().take(rows) {
-                let i = first + c;
-                for j in first..i {
-                    let mut sum = entry(i, j);
-                    let known = &self.lower[row_start(j)..][..j];
-                    for (&known, &own) in known.iter().zip(&*scaled) {
-                        sum = sum - own * known;
-                    }
-                    scaled[j] = sum;
-                }
-                let whole = entry(i, i) + Several::splat(ridge * T::constant(DIAGONAL[i]));
-                let mut pivot = whole;
-                let row = self.lower[row_start(i)..][..i].iter_mut();
-                for ((entry, &own), &over) in row.zip(&*scaled).zip(&self.over_pivots) {
-                    let factor = own * over;
-                    pivot = pivot - own * factor;
-                    *entry = factor;
-                }
-                let part = pivot * whole.reciprocal_or_zero();
-                let weaker = part.less(self.weakest);
-                self.weakest = Several::select(weaker, part, self.weakest);
-                let positive = Several::zero().less(pivot);
-                let over = pivot.reciprocal_or_zero();
-                self.over_pivots[i] = Several::select(positive, over, Several::zero());
-            }
-            first += TOGETHER;
+        for (i, &pivot) in pivots.iter().enumerate() {
+            let part = pivot * entry(i, i).reciprocal_or_zero();
+            let weaker = part.less(self.weakest);
+            self.weakest = Several::select(weaker, part, self.weakest);
         }
     }
 
-    /// Solves `A x = b` in place.
+    /// Solves `A x = b` in place, in as many coefficients as the jet has.
     #[inline(always)]
     pub(super) fn solve(&self, x: &mut [Several<T>; COUNT]) {
-        for i in 1..COUNT {
-            let row = &self.lower[row_start(i)..][..i];
-            let mut sums = [Several::zero(); 4];
-            let (fours, others) = row.as_chunks::<4>();
-            let (known, last) = x[..i].as_chunks::<4>();
-            for (factors, values) in fours.iter().zip(known) {
-                for k in 0..4 {
-                    sums[k] = sums[k] + factors[k] * values[k];
-                }
-            }
-            for ((sum, &factor), &value) in sums.iter_mut().zip(others).zip(last) {
-                *sum = *sum + factor * value;
-            }
-            x[i] = x[i] - ((sums[0] + sums[1]) + (sums[2] + sums[3]));
-        }
-        for (x, &over) in x.iter_mut().zip(&self.over_pivots) {
-            *x = *x * over;
-        }
-        for i in (1..COUNT).rev() {
-            let row = &self.lower[row_start(i)..][..i];
-            let value = x[i];
-            for (x, &factor) in x.iter_mut().zip(row) {
-                *x = *x - factor * value;
-            }
-        }
+        cholesky::solve(&self.lower, &self.over_pivots, &mut x[..self.count]);
     }
-}
-
-/// Start of row i of a matrix below its diagonal.
-const fn row_start(i: usize) -> usize {
-    i * i.saturating_sub(1) / 2
 }

@@ -4,7 +4,7 @@
 //! fewer than a column for each monomial has. Its condition number is that of the fit squared.
 
 use super::Model;
-use crate::fit::{MONOMIALS, Points, place_of, set_moments};
+use crate::fit::{MONOMIALS, Points, cholesky, place_of, set_moments};
 use crate::lane::{Lane, Several, WIDTH};
 use crate::real::Real;
 use crate::vec3::{Vec3, dot};
@@ -21,6 +21,10 @@ pub(super) struct Moments<T> {
     powers: Vec<Several<T>>,
     partial: Vec<Several<T>>,
     sums: Vec<T>,
+    /// The factors of the matrix.
+    lower: Vec<T>,
+    pivots: Vec<T>,
+    over_pivots: Vec<T>,
 }
 
 impl<T: Real> Moments<T> {
@@ -50,6 +54,12 @@ impl<T: Real> Moments<T> {
     /// values v, these are 1.
     #[inline(always)]
     pub(super) fn sums(&mut self, degree: usize, values: Option<&[T]>) -> &[T] {
+        self.set_sums(degree, values);
+        &self.sums
+    }
+
+    #[inline(always)]
+    fn set_sums(&mut self, degree: usize, values: Option<&[T]>) {
         self.column.clear();
         self.column.extend_from_slice(&self.weights);
         if let Some(values) = values {
@@ -71,14 +81,13 @@ impl<T: Real> Moments<T> {
         let partial = self.partial[..count].iter();
         self.sums
             .extend(partial.map(|lane| lane.0.iter().copied().sum::<T>()));
-        &self.sums
     }
 
     /// Sets `upper` to the factor R of `Rᵀ R = D Aᵀ W² A D`, row by row with `D = diag(scales)`, each row
     /// followed by its part of the heights, and returns the smallest entry on its diagonal; 0 if the matrix
-    /// is not positive definite. G. H. Golub and C. F. Van Loan, Matrix Computations, section 4.2.
+    /// is not positive definite.
     #[inline(always)]
-    pub(super) fn factorise(
+    pub(super) fn set_upper(
         &mut self,
         model: &Model<T>,
         heights: &[T],
@@ -93,43 +102,43 @@ impl<T: Real> Moments<T> {
             0 => (0, 0),
             _ => MONOMIALS[place - 1],
         };
-        let sums = self.sums(2 * model.degree, None);
+        self.set_sums(2 * model.degree, None);
+        let sums = &self.sums;
         let entry = |i: usize, j: usize| {
             let ((degree, power), (other, others)) = (monomial(i), monomial(j));
             sums[place_of(degree + other, power + others)]
         };
         scales.clear();
         scales.extend((0..count).map(|k| entry(k, k).sqrt().reciprocal_or_zero()));
-        for i in 0..count {
-            for j in i..count {
-                upper[i * width + j] = entry(i, j) * scales[i] * scales[j];
-            }
+        self.lower.resize(cholesky::row_start(count), T::zero());
+        self.pivots.resize(count, T::zero());
+        self.over_pivots.resize(count, T::zero());
+        let scaled = |i: usize, j: usize| entry(i, j) * scales[i] * scales[j];
+        let (lower, pivots) = (&mut self.lower, &mut self.pivots);
+        cholesky::factorise(scaled, lower, pivots, &mut self.over_pivots);
+        if !pivots.iter().all(|&pivot| T::zero() < pivot) {
+            return T::zero();
         }
-        let right = self.sums(model.degree, Some(heights));
-        for (i, (&sum, &scale)) in right.iter().zip(&*scales).enumerate() {
-            upper[i * width + count] = sum * scale;
-        }
-        let mut least = T::one();
-        for k in 0..count {
-            let (above, below) = upper.split_at_mut((k + 1) * width);
-            let row = &mut above[k * width..];
-            let pivot = row[k];
-            if pivot <= T::zero() || pivot.is_nan() {
-                return T::zero();
-            }
+        let least = pivots
+            .iter()
+            .fold(T::one(), |least, &pivot| least.min(pivot));
+        for (k, &pivot) in pivots.iter().enumerate() {
             let norm = pivot.sqrt();
-            let over = norm.recip();
-            least = least.min(norm);
-            row[k] = norm;
-            row[k + 1..].iter_mut().for_each(|entry| *entry *= over);
-            for (i, other) in (k + 1..count).zip(below.chunks_exact_mut(width)) {
-                let factor = row[i];
-                for (entry, &known) in other[i..].iter_mut().zip(&row[i..]) {
-                    *entry -= factor * known;
-                }
+            upper[k * width + k] = norm;
+            for i in k + 1..count {
+                upper[k * width + i] = lower[cholesky::row_start(i) + k] * norm;
             }
         }
-        least
+        self.set_sums(model.degree, Some(heights));
+        let right = &mut self.sums[..];
+        for (entry, &scale) in right.iter_mut().zip(&*scales) {
+            *entry *= scale;
+        }
+        cholesky::substitute(&self.lower, right);
+        for (k, &entry) in right.iter().enumerate() {
+            upper[k * width + count] = entry / upper[k * width + k];
+        }
+        least.sqrt()
     }
 
     /// Sets each of `rows` to `w² p` at the points, with the polynomials p given by their coefficients.
