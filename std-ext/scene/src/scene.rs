@@ -12,6 +12,7 @@ mod boundary;
 mod builder;
 mod check;
 mod column;
+pub(crate) mod course;
 mod drivers;
 mod effects;
 mod embedded;
@@ -68,8 +69,8 @@ pub use start::start_shape;
 pub use surface::{ObstacleScene, Orientation, SurfaceScene};
 pub(crate) use units::{Dimension, thermal_energy};
 
-use crate::flow::Barrier;
 use crate::flow::lattice_boltzmann::memory;
+use crate::flow::{Barrier, Course};
 use crate::scalar::Scalar;
 use serde::Serialize;
 use std::path::Path;
@@ -93,6 +94,9 @@ pub struct Scene {
     pub obstacles: Vec<ObstacleScene>,
     /// The driver, which moves the surfaces.
     pub driver: Driver,
+    /// The course of the driver's flow.
+    #[serde(skip_serializing_if = "Course::is_steady")]
+    pub course: Course,
     /// The outputs and their intervals.
     pub output: Output,
 }

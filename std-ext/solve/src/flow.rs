@@ -15,6 +15,7 @@
 mod boundary_integral;
 mod channel;
 mod contact_stiffness;
+mod course;
 mod gmres;
 mod immersion;
 pub mod lattice_boltzmann;
@@ -29,6 +30,7 @@ mod volume;
 pub use boundary_integral::{DoubleLayer, SingleLayer, alone};
 pub use channel::Channel;
 pub use contact_stiffness::{AdhesiveWall, Barrier};
+pub use course::Course;
 pub use gmres::{Gmres, Product, Solved};
 pub use immersion::{Immersion, ImmersionError, ImmersionPrecision, ImmersionState, Ripples};
 use local_mobility::LocalMobility;

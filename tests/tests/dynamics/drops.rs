@@ -5,6 +5,7 @@ use helfrich_std::run::{End, run};
 use helfrich_std::scene::{Overrides, SceneFile};
 use helfrich_std::simulation::build;
 use helfrich_tests::tolerance::Tolerance;
+use std::f64::consts::TAU;
 use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
@@ -34,7 +35,8 @@ fn drop_of(family: &str, surface: &str, driver: &str) -> SceneFile {
         {surface}
         [driver]
         viscosity = 1
-        flow = {{ kind = "shear", rate = 1 }}
+        flow.kind = "shear"
+        flow.rate = 1
         {driver}
         [output]
         surfaces = false
@@ -72,6 +74,46 @@ fn a_drop_deforms_as_theory_has_it_and_stays_so() {
         let angles = column(&series, "smallest_angle");
         assert!(angles.iter().all(|&angle| angle > 50.0), "{angles:?}");
         assert_eq!(summary.warnings, [""; 0], "{family}");
+    }
+}
+
+/// In flows that change in time, a drop follows the linear theory `τ A' = c(t) D − A`, with the time τ in which it
+/// reaches its shape in steady flow.
+#[test]
+fn drops_follow_flows_that_change_in_time() {
+    let (tau, steady) = (2.1875 * 0.02, taylor(0.02, f64::INFINITY));
+    let omega = TAU / 0.2;
+    let oscillation = |time: f64| {
+        let phase = omega * time;
+        let settled = phase.cos() + omega * tau * phase.sin();
+        (settled - (-time / tau).exp()) / (1.0 + (omega * tau).powi(2))
+    };
+    let reversal = |time: f64| {
+        let since = |start: f64| 1.0 - (-(time - start).max(0.0) / tau).exp();
+        since(0.0) - 2.0 * since(0.1)
+    };
+    type Theory<'a> = &'a dyn Fn(f64) -> f64;
+    let courses: [(&str, Theory); 2] = [
+        ("kind = \"oscillation\", period = 0.2", &oscillation),
+        // The jump takes a thousandth of τ.
+        (
+            "kind = \"table\", times = [0.1, 0.10004], factors = [1, -1]",
+            &reversal,
+        ),
+    ];
+    for (course, theory) in courses {
+        let driver = format!(
+            "{BOUNDARY_INTEGRAL}\nstrain = 0.4\nflow.course = {{ {course} }}\ncluster_tolerance = 0"
+        );
+        let surface = "vertices = 642\ntension = { value = 50 }";
+        let (_, series) = run_file(drop_of("smooth", surface, &driver));
+        let rows = column(&series, "time")
+            .into_iter()
+            .zip(column(&series, "deformation"));
+        for (time, found) in rows {
+            let expected = steady * theory(time).abs();
+            DROP_TAYLOR.assert(found, expected, steady, &format!("{course}: D at {time}"));
+        }
     }
 }
 

@@ -1,14 +1,15 @@
 //! Capsules in the fluid of a lattice, compared with the same capsules in boundary integrals.
 
-use crate::scenes::{PUBLISHED_CAPSULE, at, column, last, run_scene, scenes};
+use crate::scenes::{PUBLISHED_CAPSULE, at, column, last, run_file, run_scene, scenes};
 use helfrich_std::flow::Channel;
 use helfrich_std::run::{End, Summary, run};
 use helfrich_std::scene::{Overrides, SceneFile};
 use helfrich_std::series::SeriesTable;
 use helfrich_std::simulation::build;
-use helfrich_tests::tolerance::CAPSULE_VOLUME;
-use helfrich_tests::tolerance::Tolerance;
+use helfrich_tests::tolerance::{self, CAPSULE_VOLUME, Tolerance};
+use std::f64::consts::TAU;
 use std::fs;
+use std::path::Path;
 use std::sync::LazyLock;
 use tempfile::TempDir;
 
@@ -55,6 +56,12 @@ const NESTED_ORDER: Tolerance = Tolerance::new(
 const IMMERSED_PROBE: Tolerance = Tolerance::new(
     1e-2,
     "a grain a tenth as wide as the channel disturbs the flow, and a parabola is interpolated linearly",
+);
+
+/// Velocities in a channel of 16 nodes whose force oscillates, relative to the one in the middle in steady flow.
+const IMMERSED_WOMERSLEY: Tolerance = Tolerance::new(
+    1e-2,
+    "16 nodes, and a grain a tenth as wide as the channel disturbs the flow; a parabola is interpolated linearly",
 );
 
 /// Flow in ducts by a series of 200 terms, relative.
@@ -335,6 +342,59 @@ volume = [{ name = "all", stride = 3 }]
     );
     let index = fs::read_to_string(out.join("volumes.pvd")).expect("an index");
     assert!(index.contains("volumes/all-00000001.vti"), "{index}");
+}
+
+/// A channel whose force oscillates has the flow of J. R. Womersley, J. Physiol. 127 (1955) 553, between plates:
+/// `u = Re G/(iωρ) (1 − cosh(κy)/cosh(κH/2)) e^{iωt}`, `κ² = iωρ/μ`.
+#[test]
+fn channels_oscillate_with_their_force() {
+    let scene = r#"
+units = "none"
+[[surface]]
+shape = "sphere:0.3"
+family = "regular"
+vertices = 42
+position = [0, 1.3, 0]
+elasticity = { law = "skalak", shear_modulus = 10, area_ratio = 1 }
+[driver]
+kind = "lattice-boltzmann"
+viscosity = 2
+density = 0.5
+flow = { kind = "channel", centre_velocity = 0.3, course = { kind = "oscillation", period = 3 } }
+spacing = 0.25
+box = [8, 4, 8]
+duration = 6
+[output]
+interval = 0.5
+pictures = false
+surfaces = false
+probe = [{ name = "middle", point = [-3, 0, 3] }]
+"#;
+    let file = SceneFile::parse(scene, Path::new("channel.toml"), &Overrides::default());
+    let (_, series) = run_file(file.unwrap_or_else(|errors| panic!("{errors}")));
+    // H = 4, ν = 4: 1/cosh z with z = κ H/2 = (1 + i) s.
+    let (nu, omega) = (4.0_f64, TAU / 3.0);
+    let s = (omega / (2.0 * nu)).sqrt() * 2.0;
+    let [re, im] = [s.cosh() * s.cos(), s.sinh() * s.sin()];
+    let over = (re * re + im * im).recip();
+    // (1 − 1/cosh z)/i times G/(ωρ), G/ρ = 8 ν U/H².
+    let size = 0.5 * nu * 0.3 / omega;
+    let [real, imaginary] = [size * im * over, -size * (1.0 - re * over)];
+    let times = column(&series, "time")
+        .into_iter()
+        .zip(column(&series, "middle_x"));
+    // The start has decayed to e⁻⁹, at the rate π² ν/H² = 2.5.
+    for (time, found) in times.filter(|(time, _)| *time >= 4.0) {
+        let phase = omega * time;
+        let expected = real * phase.cos() - imaginary * phase.sin();
+        IMMERSED_WOMERSLEY.assert(found, expected, 0.3, &format!("at {time}"));
+    }
+    for (time, found) in column(&series, "time")
+        .into_iter()
+        .zip(column(&series, "flow_factor"))
+    {
+        tolerance::LATTICE_KERNEL.assert(found, (omega * time).cos(), 1.0, "factor");
+    }
 }
 
 /// Forces that are too stiff for the step end a run with the reason; the output so far stays.

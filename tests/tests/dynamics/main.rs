@@ -11,4 +11,5 @@ mod material;
 mod relaxation;
 mod scenes;
 mod strong_form;
+mod tubes;
 mod vesicles;

@@ -90,6 +90,56 @@ fn flow_between_moving_plates_is_exactly_linear() {
     }
 }
 
+/// Plates that oscillate against each other drive the Stokes layers of unsteady flow, `u = Re U sinh(κy)/sinh(κh/2)
+/// e^{iωt}` with `κ² = iω/ν` (H. Schlichting, Boundary-Layer Theory, section 5.3), to second order.
+#[test]
+fn oscillating_plates_drive_stokes_layers_to_second_order() {
+    let (viscosity, speed) = (0.2, 0.02);
+    let errors = [8, 16, 32].map(|width| {
+        let width_squared = f64::from(width * width);
+        // 2 cycles a time of diffusion, h²/ν: layers as thick as half of the gap.
+        let omega = 8.0 * viscosity / width_squared * 2.0;
+        let walls = |time: f64| {
+            let speed = speed * (omega * time).cos();
+            Sides::Walls {
+                low: unit(0, -speed),
+                high: unit(0, speed),
+            }
+        };
+        let setup = periodic([2, width as usize, 1], viscosity);
+        let mut lattice = lattice::<f64>(between(1, walls(0.0), setup.clone()));
+        let steps = (5.0 * TAU / omega) as u64;
+        for step in 0..steps {
+            let sides = between(1, walls(step as f64 + 0.5), setup.clone()).sides;
+            lattice.move_walls(sides).unwrap();
+            lattice.advance(1);
+        }
+        let kappa = (omega / (2.0 * viscosity)).sqrt();
+        // sinh((1 + i) z).
+        let sinh = |z: f64| [z.sinh() * z.cos(), z.cosh() * z.sin()];
+        let [c, d] = sinh(kappa * 0.5 * f64::from(width));
+        let [cosine, sine] = [(omega * steps as f64).cos(), (omega * steps as f64).sin()];
+        let error = |cell: [usize; 3]| {
+            let [a, b] = sinh(kappa * (cell[1] as f64 + 0.5 - 0.5 * f64::from(width)));
+            let over = (c * c + d * d).recip();
+            let [re, im] = [(a * c + b * d) * over, (b * c - a * d) * over];
+            let expected = speed * (re * cosine - im * sine);
+            (lattice.node(cell).velocity[0] - expected).abs() / speed
+        };
+        cells(lattice.cells()).map(error).fold(0.0, f64::max)
+    });
+    for pair in errors.windows(2) {
+        let order = (pair[0] / pair[1]).log2();
+        assert!((1.7..2.6).contains(&order), "order {order} in {errors:?}");
+    }
+    let mut box_of_fluid = lattice::<f64>(periodic([2, 8, 1], viscosity));
+    let sides = between(1, Sides::RESTING, periodic([2, 8, 1], viscosity)).sides;
+    assert!(matches!(
+        box_of_fluid.move_walls(sides),
+        Err(LatticeError::OtherSides { axis: 1 })
+    ));
+}
+
 /// Taylor–Green vortex in the plane across an axis, in a stream: velocity at a time.
 struct Vortex {
     edge: usize,

@@ -1,6 +1,7 @@
 //! Times of a run in a flow.
 
 use super::RunError;
+use crate::flow::Course;
 use crate::scene::{Every, Flow, Scene};
 use serde::{Deserialize, Serialize};
 
@@ -8,12 +9,13 @@ use serde::{Deserialize, Serialize};
 const ROUNDING: f64 = 1e-9;
 
 /// The time of a run in a flow: its end, the times of outputs, and its names in tables.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Clock {
     pub(super) duration: f64,
     schedule: Schedule,
     /// Deformation rate of the flow, 1/time.
     rate: Option<f64>,
+    course: Course,
 }
 
 /// The times at which outputs are due: plain data, for a checkpoint.
@@ -42,6 +44,7 @@ impl Clock {
                 ahead: 0,
             },
             rate: flow.rate(),
+            course: scene.course.clone(),
         }
     }
 
@@ -86,15 +89,18 @@ impl Clock {
 
     /// The names of the columns of time.
     pub(super) fn columns(&self) -> Vec<String> {
+        let varies = !self.course.is_steady();
         let columns = ["time"].into_iter().chain(self.rate.map(|_| "strain"));
+        let columns = columns.chain(varies.then_some("flow_factor"));
         columns.map(str::to_owned).collect()
     }
 
-    /// The time; if the flow has a rate, also the strain, which is the time in units of the inverse
-    /// rate.
+    /// The time; if the flow has a rate, also the strain, which is the time in units of the inverse rate; if the
+    /// flow varies, also its factor at that time.
     pub(super) fn numbers(&self, time: f64) -> Vec<f64> {
         let strain = self.rate.map(|rate| rate * time);
-        [time].into_iter().chain(strain).collect()
+        let factor = (!self.course.is_steady()).then(|| self.course.at(time));
+        [time].into_iter().chain(strain).chain(factor).collect()
     }
 
     pub(super) fn caption(&self, time: f64) -> String {

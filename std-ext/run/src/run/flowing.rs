@@ -129,7 +129,7 @@ impl<'a> Flowing<'a> {
         let suspension = suspension(scene, driver, simulation, positions);
         let solves = suspension.has_contrast() || simulation.are_viscous();
         let precision = precision(&suspension, solves);
-        let settings = settings(driver, simulation, positions, precision);
+        let settings = settings(scene, driver, simulation, positions, precision);
         (suspension, solves, settings)
     }
 
@@ -138,16 +138,16 @@ impl<'a> Flowing<'a> {
         self.progress.products + self.suspension.products()
     }
 
-    /// The reason to stop if steps stay too short. A step that an output has cut short does not
-    /// count.
+    /// The reason to stop if steps stay too short. A step that an output or the course of the flow has cut short does
+    /// not count.
     fn stagnation(
         &mut self,
         report: &StepReport,
-        output: bool,
+        cut: bool,
         simulation: &Simulation,
     ) -> Option<String> {
         let rate = self.driver.flow.rate()?;
-        if !output {
+        if !cut {
             let short = rate * report.step < SHORTEST_STEP;
             let before = self.progress.short_steps;
             self.progress.short_steps = if short { before + 1 } else { 0 };
@@ -183,12 +183,12 @@ impl<'a> Flowing<'a> {
     }
 
     /// Notes that steps are shorter than the scene asks for.
-    fn note_shortened(&mut self, report: &StepReport, output: bool) {
+    fn note_shortened(&mut self, report: &StepReport, cut: bool) {
         let scene::Integrator::Rk4 { step } = self.driver.integrator else {
             return;
         };
         const WHAT: &str = "the step of rk4 is no longer stable and is shortened";
-        if output || report.step > step * (1.0 - ROUNDING) {
+        if cut || report.step > step * (1.0 - ROUNDING) {
             return;
         }
         if !self.progress.notes.iter().any(|note| note.contains(WHAT)) {
@@ -309,7 +309,9 @@ impl Drive for Flowing<'_> {
             suspension: &mut self.suspension,
             membranes: simulation,
         };
-        let report = match self.integrator.step(&mut moving, due) {
+        let corner = self.scene.course.next_corner(self.integrator.time());
+        let end = due.min(corner);
+        let report = match self.integrator.step(&mut moving, end) {
             Ok(report) => report,
             Err(failure) => {
                 self.note_state(simulation);
@@ -336,7 +338,8 @@ impl Drive for Flowing<'_> {
             self.progress.outputs += 1;
             self.note_state(simulation);
         }
-        self.note_shortened(&report, output);
+        let cut = report.time >= end;
+        self.note_shortened(&report, cut);
         if let Some(message) = grown {
             self.note_state(simulation);
             return Ok(Step {
@@ -346,7 +349,7 @@ impl Drive for Flowing<'_> {
                 ..Step::default()
             });
         }
-        if let Some(message) = self.stagnation(&report, output, simulation) {
+        if let Some(message) = self.stagnation(&report, cut, simulation) {
             self.note_state(simulation);
             return Ok(Step {
                 output: true,
@@ -388,6 +391,7 @@ impl Drive for Flowing<'_> {
 
     fn fluid_at(&mut self, simulation: &mut Simulation, points: &[[f64; 3]]) -> Option<Fluid> {
         let positions = self.integrator.positions();
+        self.suspension.set_time(self.integrator.time());
         let fluid = self.suspension.fluid_at(simulation, positions, points);
         fluid.ok()
     }
@@ -471,6 +475,7 @@ fn suspension(
         driver.flow.ambient(),
         available_threads(),
     );
+    suspension.set_course(scene.course.clone());
     suspension.set_cluster_tolerance(driver.cluster_tolerance_at(positions.len()));
     // The nesting is determined once, because membranes do not pass through each other.
     let bodies = simulation.bodies().iter();
@@ -503,6 +508,7 @@ fn precision(suspension: &Suspension, solves: bool) -> f64 {
 }
 
 fn settings(
+    scene: &Scene,
     driver: BoundaryIntegral,
     simulation: &Simulation,
     positions: &[[f64; 3]],
@@ -530,10 +536,12 @@ fn settings(
         Scheme::Rosenbrock => SpectralRadius::Unknown,
         _ => SpectralRadius::Estimated,
     };
+    let by_rate = driver.flow.rate().map(|rate| LONGEST_STEP / rate);
+    let longest = (by_rate.into_iter()).fold(scene.course.longest_step(), f64::min);
     Settings {
         spectral_radius,
         tolerance: driver.tolerance,
-        longest_step: driver.flow.rate().map(|rate| LONGEST_STEP / rate),
+        longest_step: Some(longest).filter(|longest| longest.is_finite()),
         precision,
         ..Settings::new(scheme, length)
     }

@@ -196,6 +196,13 @@ impl<T: Stored> Drive for Immersing<'_, T> {
                 ..Step::default()
             });
         }
+        if !self.scene.course.is_steady() {
+            let middle = self.time() + 0.5 * self.driver.step;
+            let factor = self.scene.course.at(middle);
+            let sides = sides(self.driver, factor);
+            self.immersion
+                .drive(driving_force(self.driver, factor), sides)?;
+        }
         if let Err(error) = self.immersion.advance(simulation, &mut self.positions) {
             self.note_state(simulation);
             let mut message = error.to_string();
@@ -280,20 +287,19 @@ fn immersion<T: ImmersionPrecision>(
     let on_lattice = |velocity: [f64; 3]| velocity.map(|component| component / units.velocity());
     let mut lattice = Lattice::new(Setup {
         cells: driver.cells,
-        sides: sides(driver),
+        sides: sides(driver, scene.course.at(0.0)),
         viscosity: driver.lattice_viscosity,
         inertia: driver.density.is_some(),
         threads: available_threads(),
     })?;
-    if let Some(force) = driver.flow.driving_force(driver.viscosity) {
-        lattice.set_force([force / units.force_density(), 0.0, 0.0])?;
-    }
+    let factor = scene.course.at(0.0);
+    lattice.set_force(driving_force(driver, factor))?;
     lattice.fill(|cell| {
         let point =
             array::from_fn(|axis| origin[axis] + (cell[axis] as f64 + 0.5) * driver.spacing);
         Node {
             density: 1.0,
-            velocity: on_lattice(undisturbed(driver, point)),
+            velocity: on_lattice(undisturbed(driver, point).map(|component| factor * component)),
         }
     });
     for obstacle in simulation.obstacles() {
@@ -345,8 +351,15 @@ fn undisturbed(driver: LatticeBoltzmann, point: [f64; 3]) -> [f64; 3] {
     ambient.map_or([0.0; 3], |ambient| ambient.velocity(point))
 }
 
-/// Walls move with the velocity of the undisturbed flow there.
-fn sides(driver: LatticeBoltzmann) -> [Sides; 3] {
+/// The force on every node that drives a flow of this factor, in lattice units.
+fn driving_force(driver: LatticeBoltzmann, factor: f64) -> [f64; 3] {
+    let force = driver.flow.driving_force(driver.viscosity);
+    let force = force.map_or(0.0, |force| force / driver.units().force_density());
+    [factor * force, 0.0, 0.0]
+}
+
+/// Walls move with the velocity of the undisturbed flow of this factor there.
+fn sides(driver: LatticeBoltzmann, factor: f64) -> [Sides; 3] {
     let corners = driver.corners();
     let unit = driver.units().velocity();
     let walls = driver.walls();
@@ -357,7 +370,7 @@ fn sides(driver: LatticeBoltzmann) -> [Sides; 3] {
         let [low, high] = corners.map(|corner| {
             let mut point = driver.centre;
             point[axis] = corner[axis];
-            undisturbed(driver, point).map(|component| component / unit)
+            undisturbed(driver, point).map(|component| factor * component / unit)
         });
         Sides::Walls { low, high }
     })

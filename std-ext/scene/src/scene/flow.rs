@@ -1,5 +1,6 @@
 //! The undisturbed flow of a scene.
 
+use super::course::COURSE;
 use super::keys::{
     Form, Key, Keys, Kind, Range, any, count_of, kinds, of_kinds, optional, positive, required,
 };
@@ -230,16 +231,19 @@ const CENTRE_VELOCITY: Key = required(
 
 const KINDS: &[Kind] = &[
     kind("quiescent", &[]),
-    kind("shear", &[RATE]),
-    kind("extension", &[RATE]),
-    kind("plane-extension", &[RATE]),
+    kind("shear", &[RATE, COURSE]),
+    kind("extension", &[RATE, COURSE]),
+    kind("plane-extension", &[RATE, COURSE]),
     kind(
         "linear",
-        &[required(
-            "gradient",
-            Form::Exactly(3, &Form::Exactly(3, &any(Dimension::RATE))),
-            "Velocity gradient L, row by row: [[∂u/∂x, ∂u/∂y, ∂u/∂z], [∂v/∂x, …], …]; its trace is 0.",
-        )],
+        &[
+            required(
+                "gradient",
+                Form::Exactly(3, &Form::Exactly(3, &any(Dimension::RATE))),
+                "Velocity gradient L, row by row: [[∂u/∂x, ∂u/∂y, ∂u/∂z], [∂v/∂x, …], …]; its trace is 0.",
+            ),
+            COURSE,
+        ],
     ),
     kind(
         "poiseuille",
@@ -257,6 +261,7 @@ const KINDS: &[Kind] = &[
                 Form::Vector(Dimension::LENGTH),
                 "A point of the axis; by default [0, 0, 0].",
             ),
+            COURSE,
         ],
     ),
     kind(
@@ -268,6 +273,7 @@ const KINDS: &[Kind] = &[
                 Form::Choice(|| vec!["plates", "duct"]),
                 "\"plates\", walls at the ends of y; \"duct\", of z too; by default plates.",
             ),
+            COURSE,
         ],
     ),
 ];

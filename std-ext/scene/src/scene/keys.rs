@@ -93,6 +93,8 @@ pub(super) enum Range {
     Fraction,
     /// Above 0, at most 0.5.
     Half,
+    /// From −1 to 1.
+    Signed,
     /// Above this.
     Above(f64),
 }
@@ -106,6 +108,7 @@ impl Range {
             Self::NotNegative => value >= 0.0,
             Self::Fraction => value > 0.0 && value <= 1.0,
             Self::Half => value > 0.0 && value <= 0.5,
+            Self::Signed => value.abs() <= 1.0,
             Self::Above(least) => value > least,
         }
     }
@@ -119,6 +122,7 @@ impl Range {
             Self::NotNegative => "of 0 or above".to_owned(),
             Self::Fraction => "above 0 and at most 1".to_owned(),
             Self::Half => "above 0 and at most 0.5".to_owned(),
+            Self::Signed => "from -1 to 1".to_owned(),
             Self::Above(least) => format!("above {least}"),
         }
     }

@@ -135,6 +135,7 @@ impl Builder<'_> {
         self.barriers = barriers.collect();
         let table = scene.table("driver");
         let mut driver = table.and_then(|table| self.driver(table, &surfaces, &readers));
+        let course = self.course(table);
         let images = driver.as_ref().map(Driver::images);
         let interactions = interactions
             .into_iter()
@@ -156,6 +157,7 @@ impl Builder<'_> {
             interactions,
             obstacles,
             driver: driver.unwrap_or(driver::PLACEHOLDER),
+            course,
             output,
         };
         if let Some(table) = table {

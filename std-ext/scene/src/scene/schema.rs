@@ -142,6 +142,7 @@ fn number(dimension: Dimension, range: Range) -> Value {
         Range::NotNegative => json!({ "type": "number", "minimum": 0 }),
         Range::Fraction => json!({ "type": "number", "exclusiveMinimum": 0, "maximum": 1 }),
         Range::Half => json!({ "type": "number", "exclusiveMinimum": 0, "maximum": 0.5 }),
+        Range::Signed => json!({ "type": "number", "minimum": -1, "maximum": 1 }),
         Range::Above(least) => json!({ "type": "number", "exclusiveMinimum": least }),
     };
     if dimension == Dimension::NONE {

@@ -151,7 +151,7 @@ impl Scene {
                 .collect(),
             interactions: self.interactions.iter().map(interaction).collect(),
             driver: driver::explain(&self.driver, meshes, &number),
-            flow: driver::flow(&self.driver, &number),
+            flow: driver::flow(self, &number),
             integrator: driver::integrator(self, &number),
             spectral_radius,
             step_limit: match &lattice {

@@ -5,7 +5,9 @@ mod viscous;
 
 pub use ripples::Ripples;
 
-use super::lattice_boltzmann::{Immersed, Kernel, Lattice, LatticeError, Precision, State, Units};
+use super::lattice_boltzmann::{
+    Immersed, Kernel, Lattice, LatticeError, Precision, Sides, State, Units,
+};
 use super::{Effort, Fluid, KeptVolumes, Membranes, Redistribution};
 use helfrich::{Surface, TriangleMesh};
 use serde::{Deserialize, Serialize};
@@ -238,6 +240,15 @@ impl<T: ImmersionPrecision> Immersion<T> {
     /// The fluid.
     pub fn lattice(&self) -> &Lattice<T> {
         &self.lattice
+    }
+
+    /// Changes the force on every node and the velocities of the walls, in lattice units, from the next step on.
+    ///
+    /// # Errors
+    /// As [`Lattice::set_force`] and [`Lattice::move_walls`].
+    pub fn drive(&mut self, force: [f64; 3], sides: [Sides; 3]) -> Result<(), LatticeError> {
+        self.lattice.set_force(force)?;
+        self.lattice.move_walls(sides)
     }
 
     /// The time after all steps so far.

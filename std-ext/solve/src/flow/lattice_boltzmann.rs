@@ -223,6 +223,27 @@ impl<T: Precision> Lattice<T> {
         }
     }
 
+    /// Moves the walls with other velocities from the next step on.
+    ///
+    /// # Errors
+    /// If there are walls where there were none, or none where there were walls, or if velocities are impossible.
+    pub fn move_walls(&mut self, sides: [Sides; 3]) -> Result<(), LatticeError> {
+        let walled = |sides: [Sides; 3]| sides.map(|sides| sides != Sides::Periodic);
+        if let Some(axis) =
+            (0..3).find(|&axis| walled(sides)[axis] != walled(self.setup.sides)[axis])
+        {
+            return Err(LatticeError::OtherSides { axis });
+        }
+        let setup = Setup {
+            sides,
+            ..self.setup.clone()
+        };
+        setup.check()?;
+        self.links.move_walls(&sides);
+        self.setup = setup;
+        Ok(())
+    }
+
     /// Advances by a number of steps.
     pub fn advance(&mut self, steps: u64) {
         for _ in 0..steps {

@@ -1,8 +1,8 @@
 //! Membranes suspended in Stokes flow.
 
 use super::{
-    Ambient, DoubleLayer, Effort, Fluid, Gmres, KeptVolumes, LocalMobility, Membranes, Recent,
-    Redistribution, SingleLayer,
+    Ambient, Course, DoubleLayer, Effort, Fluid, Gmres, KeptVolumes, LocalMobility, Membranes,
+    Recent, Redistribution, SingleLayer,
 };
 use crate::dynamics::Membrane;
 use crate::dynamics::integrate::RightHandSide;
@@ -23,6 +23,9 @@ pub const SOLUTION_TOLERANCE: f64 = 1e-8;
 #[derive(Debug)]
 pub struct Suspension {
     ambient: Option<Ambient>,
+    course: Course,
+    /// The factor of the ambient flow at this time.
+    factor: f64,
     single: SingleLayer,
     /// The double layer, only where viscosities differ.
     double: Option<DoubleLayer>,
@@ -66,6 +69,8 @@ impl Suspension {
         let contrast = viscosity_ratios.iter().any(|&ratio| ratio != 1.0);
         Self {
             ambient,
+            course: Course::Steady,
+            factor: 1.0,
             double: contrast.then(|| DoubleLayer::new(borrowed(), viscosity_ratios, threads)),
             forces: vec![[0.0; 3]; single.vertex_count()],
             single,
@@ -101,6 +106,17 @@ impl Suspension {
         if let Some(double) = &mut self.double {
             double.set_cluster_tolerance(tolerance);
         }
+    }
+
+    /// Sets the course of the ambient flow, which [`Self::set_time`] follows.
+    pub fn set_course(&mut self, course: Course) {
+        self.factor = course.at(0.0);
+        self.course = course;
+    }
+
+    /// Takes the ambient flow of this time from its course.
+    pub fn set_time(&mut self, time: f64) {
+        self.factor = self.course.at(time);
     }
 
     /// Keeps these volumes: velocities do not change them, and [`Self::restore_volumes`] removes the error
@@ -175,6 +191,7 @@ impl Suspension {
         velocities.fill([0.0; 3]);
         if let Some(ambient) = &self.ambient {
             ambient.add_velocity(positions, velocities);
+            scale(velocities, self.factor);
         }
         let start = Instant::now();
         self.single.set_forces(positions, &self.forces);
@@ -274,8 +291,9 @@ impl Suspension {
         };
         if let Some(ambient) = &self.ambient {
             ambient.add_velocity(points, &mut fluid.velocity);
+            scale(&mut fluid.velocity, self.factor);
             for (pressure, &point) in fluid.pressure.iter_mut().zip(points) {
-                *pressure += ambient.pressure(point, self.single.viscosity);
+                *pressure += self.factor * ambient.pressure(point, self.single.viscosity);
             }
         }
         membranes.set_forces(positions, &mut self.forces)?;
@@ -358,6 +376,13 @@ impl Suspension {
     }
 }
 
+/// Multiplies vectors by a factor.
+fn scale(vectors: &mut [[f64; 3]], factor: f64) {
+    for component in vectors.as_flattened_mut() {
+        *component *= factor;
+    }
+}
+
 /// The right-hand side of an integration in time: the velocities of these membranes.
 #[derive(Debug)]
 pub struct Moving<'a, M> {
@@ -371,9 +396,10 @@ impl<M: Membranes> RightHandSide for Moving<'_, M> {
     fn evaluate(
         &mut self,
         positions: &[[f64; 3]],
-        _time: f64,
+        time: f64,
         velocities: &mut [[f64; 3]],
     ) -> Result<(), String> {
+        self.suspension.set_time(time);
         self.suspension
             .set_velocities(self.membranes, positions, velocities)
     }

@@ -4,6 +4,7 @@ use super::Active;
 use crate::generate::Family;
 use crate::info::{MeshInfo, mean_edge};
 use crate::method::BendingMethod;
+use crate::scene::course;
 use crate::scene::{
     BoundaryIntegral, Dimension, Driver, Every, Integrator, InteractionScene, MeshSource,
     Parameter, Parameters, Scene, SurfaceScene,
@@ -33,9 +34,10 @@ pub(super) fn cluster_tolerance(driver: &Driver, meshes: &[MeshInfo]) -> f64 {
 }
 
 /// The ambient flow, if there is a fluid.
-pub(super) fn flow(driver: &Driver, number: &Parameters) -> Option<Active> {
-    let flow = driver.flow()?;
-    let (choice, parameters) = flow.explain(number);
+pub(super) fn flow(scene: &Scene, number: &Parameters) -> Option<Active> {
+    let flow = scene.driver.flow()?;
+    let (mut choice, parameters) = flow.explain(number);
+    choice.push_str(&course::words(&scene.course, number));
     Some(Active {
         name: "flow",
         choice,

@@ -45,16 +45,6 @@ impl<T: Precision> Links<T> {
         let label = |cell| labels.map_or(0, |labels| usize::from(labels[layout.node(cell)]));
         let last = labels.and_then(|labels| labels.iter().max()).copied();
         let surfaces = FIRST_OBSTACLE.max(usize::from(last.unwrap_or(0)) + 1);
-        let mut taken = vec![[T::zero(); Q]; surfaces];
-        for (axis, sides) in sides.iter().enumerate() {
-            if let Sides::Walls { low, high } = *sides {
-                for (velocity, high) in [(low, false), (high, true)] {
-                    taken[wall(axis, high)] = std::array::from_fn(|direction| {
-                        T::constant(6.0 * weight(direction) * along(direction, velocity))
-                    });
-                }
-            }
-        }
         let mut links = Vec::new();
         let walled = sides.map(|sides| matches!(sides, Sides::Walls { .. }));
         if labels.is_some() || walled.contains(&true) {
@@ -95,10 +85,25 @@ impl<T: Precision> Links<T> {
                 }
             }
         }
-        Self {
+        let mut made = Self {
             links,
-            taken,
+            taken: vec![[T::zero(); Q]; surfaces],
             forces: vec![[0.0; 3]; surfaces],
+        };
+        made.move_walls(sides);
+        made
+    }
+
+    /// Sets the velocities of the walls.
+    pub(super) fn move_walls(&mut self, sides: &[Sides; 3]) {
+        for (axis, sides) in sides.iter().enumerate() {
+            if let Sides::Walls { low, high } = *sides {
+                for (velocity, high) in [(low, false), (high, true)] {
+                    self.taken[wall(axis, high)] = std::array::from_fn(|direction| {
+                        T::constant(6.0 * weight(direction) * along(direction, velocity))
+                    });
+                }
+            }
         }
     }
 

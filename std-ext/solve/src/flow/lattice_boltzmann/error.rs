@@ -50,6 +50,12 @@ pub enum LatticeError {
         /// In lattice units.
         velocity: [f64; 3],
     },
+    /// Walls where the box is periodic, or the reverse.
+    #[error("along {} the box is periodic or has walls from the start: only their velocities can change", axis_name(*axis))]
+    OtherSides {
+        /// The axis.
+        axis: usize,
+    },
     /// A force that is not finite.
     #[error("the force ({}, {}, {}) is not finite", force[0], force[1], force[2])]
     Force {

@@ -116,6 +116,50 @@ fn wrong_flows_say_what_is_needed() {
 }
 
 #[test]
+fn wrong_courses_say_what_is_needed() {
+    let shear = |course: &str| {
+        with_flow(&format!(
+            "kind = \"shear\", rate = 1, course = {{ {course} }}"
+        ))
+    };
+    valid(&shear("kind = \"table\", times = [0, 1], factors = [0, 1]"));
+    refused(
+        &shear("kind = \"oscillation\""),
+        [13, 42],
+        &["`driver.flow.course` lacks `period`: a number, above 0 is needed"],
+    );
+    refused(
+        &shear("kind = \"table\", times = [0, 1], factors = [0, 2]"),
+        [13, 94],
+        &["from -1 to 1"],
+    );
+    refused(
+        &shear("kind = \"table\", times = [0, 1], factors = 1"),
+        [13, 90],
+        &["there are 1 factors for 2 times"],
+    );
+    refused(
+        &shear("kind = \"table\", times = [0, 1, 1], factors = [0, 1, 0]"),
+        [13, 68],
+        &[
+            "time 3 does not come after time 2",
+            "for a jump give two that are close",
+        ],
+    );
+    refused(
+        &capsule(&[
+            (
+                "kind = \"shear\", rate = 0.15",
+                "kind = \"quiescent\", course = { kind = \"oscillation\", period = 1 }",
+            ),
+            ("strain = 4", "duration = 4"),
+        ]),
+        [13, 29],
+        &["`course` belongs to the kind"],
+    );
+}
+
+#[test]
 fn wrong_ends_and_steps_are_refused() {
     let refused = |old: &str, new: &str, at: [usize; 2], parts: &[&str]| {
         refused(&capsule(&[(old, new)]), at, parts);
