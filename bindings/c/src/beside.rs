@@ -106,6 +106,7 @@ fn repulsion<N: Number>(
     let repulsion = Repulsion {
         modulus: in_range("modulus", modulus, true)?,
         range,
+        attraction: 0.0,
         images: Images { periods, own: true },
     };
     let mut meshes = Vec::with_capacity(handles.len());

@@ -1,4 +1,4 @@
-//! Short-range repulsion.
+//! Short-range repulsion, with or without attraction.
 
 mod face;
 mod near;
@@ -16,17 +16,17 @@ use face::Felt;
 use near::{Bounds, NearFace, NearVertex};
 
 /// Short-range repulsion of different surfaces: a pressure between them that grows without bound as
-/// the gap closes.
+/// the gap closes; with an [`Self::attraction`], adhesion.
 ///
 /// Each vertex has an energy that depends on its distance d from each other surface, weighted by a
 /// third of the area of the triangles around it. Both surfaces of a pair contribute one half:
 ///
-/// `E = ½ Σ_i A_i w(d_i)`, `w(d) = k r_c²/4 (1 − s²)³/s²` with s = d/r_c for d < r_c, 0 beyond.
+/// `E = ½ Σ_i A_i w(d_i)`, `w(d) = k r_c²/4 (1 − s²)³ (1/s² − c)` with s = d/r_c for d < r_c, 0 beyond.
 ///
 /// Parallel surfaces at a distance h have the energy w(h) per area, and the pressure
-/// `p(h) = k r_c/2 (1 − s²)² (1 + 2s²)/s³`: 0.29 k r_c at 0.8 r_c, 0.75 k r_c at 0.7 r_c, 3.4 k r_c at
+/// `p(h) = k r_c/2 (1 − s²)² (1 + 2s² − 3c s⁴)/s³`. Without attraction, c = 0, it is 0.29 k r_c at 0.8 r_c, 0.75 k r_c at 0.7 r_c, 3.4 k r_c at
 /// 0.5 r_c, and `k r_c/(2s³)` where they all but touch. If k r_c is about the applied pressure,
-/// surfaces come to rest at about two thirds of the range. Distances are measured from triangles,
+/// surfaces come to rest at about two thirds of the range. With c > 1 they adhere: see [`Self::adhesion`]. Distances are measured from triangles,
 /// not from vertices, so that the barrier has no holes, however long edges are compared with the
 /// range. Where surfaces touch, the energy is infinite.
 ///
@@ -47,6 +47,8 @@ pub struct Repulsion<T> {
     pub modulus: T,
     /// r_c, a length; nothing happens unless it is positive and finite.
     pub range: T,
+    /// c, a number: 0 for repulsion alone.
+    pub attraction: T,
     /// The periodic box, if there is one.
     pub images: Images<T>,
 }
@@ -104,7 +106,10 @@ impl<T: Real> Pairs<'_, T> {
                 if itself && !is_another {
                     return;
                 }
-                if let Some(felt) = face.triangle.felt(scale(self.over_range, apart)) {
+                if let Some(felt) = face
+                    .triangle
+                    .felt(scale(self.over_range, apart), self.repulsion.attraction)
+                {
                     act(felt);
                 }
             });
@@ -112,6 +117,21 @@ impl<T: Real> Pairs<'_, T> {
 }
 
 impl<T: Real> Repulsion<T> {
+    /// Surfaces that adhere with this energy per area W at this distance d < r_c, without images: with `u = (d/r_c)²`,
+    /// `c = (1 + 2u)/(3u²)` and `k = 12 W u²/(r_c² (1 − u)⁴)`.
+    pub fn adhesion(energy: T, distance: T, range: T) -> Self {
+        let [one, two, three] = [1.0, 2.0, 3.0].map(T::constant);
+        let share = distance / range;
+        let rest = share * share;
+        let inside = (one - rest) * (one - rest) * range;
+        Self {
+            modulus: T::constant(12.0) * energy * rest * rest / (inside * inside),
+            range,
+            attraction: (one + two * rest) / (three * rest * rest),
+            images: Images::none(),
+        }
+    }
+
     /// 1/r_c; 0 where there is no range.
     fn over_range(&self) -> T {
         self.range.reciprocal_or_zero().max(T::zero())

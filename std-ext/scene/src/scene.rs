@@ -72,6 +72,7 @@ pub(crate) use units::{Dimension, thermal_energy};
 use crate::flow::lattice_boltzmann::memory;
 use crate::flow::{Barrier, Course};
 use crate::scalar::Scalar;
+use helfrich::{Images, Repulsion};
 use serde::Serialize;
 use std::path::Path;
 
@@ -148,15 +149,64 @@ pub enum InteractionScene {
         #[serde(skip_serializing_if = "Option::is_none")]
         between: Option<[usize; 2]>,
     },
+    /// Adhesion of two surfaces: see [`helfrich::Repulsion::adhesion`].
+    Adhesion {
+        /// W, energy per area.
+        energy: f64,
+        /// d, the distance at which they rest.
+        distance: f64,
+        /// r_c > d, the range; there is no force beyond it.
+        cutoff: f64,
+        /// As for a repulsion.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        between: Option<[usize; 2]>,
+    },
 }
 
 impl InteractionScene {
-    /// The repulsion in the form that limits of steps need.
+    /// Its name, the `kind` in scenes.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Repulsion { .. } => "repulsion",
+            Self::Adhesion { .. } => "adhesion",
+        }
+    }
+
+    /// The pressure between the surfaces, without images.
+    pub(crate) fn pressure(&self) -> Repulsion<f64> {
+        match *self {
+            Self::Repulsion {
+                strength, cutoff, ..
+            } => Repulsion {
+                modulus: strength,
+                range: cutoff,
+                attraction: 0.0,
+                images: Images::none(),
+            },
+            Self::Adhesion {
+                energy,
+                distance,
+                cutoff,
+                ..
+            } => Repulsion::adhesion(energy, distance, cutoff),
+        }
+    }
+
+    /// The surfaces between which it acts; `None` for all.
+    pub(crate) fn between(&self) -> Option<[usize; 2]> {
+        match *self {
+            Self::Repulsion { between, .. } | Self::Adhesion { between, .. } => between,
+        }
+    }
+
+    /// The pressure in the form that limits of steps need.
     pub(crate) fn barrier(&self) -> Barrier {
-        let Self::Repulsion {
-            strength, cutoff, ..
-        } = *self;
-        Barrier { strength, cutoff }
+        let pressure = self.pressure();
+        Barrier {
+            strength: pressure.modulus,
+            cutoff: pressure.range,
+            attraction: pressure.attraction,
+        }
     }
 }
 

@@ -89,9 +89,11 @@ pub struct Obstacle {
     pub positions: Vec<[f64; 3]>,
 }
 
-/// Repulsion between some surfaces, and their images.
+/// Repulsion or adhesion between some surfaces, and their images.
 #[derive(Debug)]
 struct Repulsions {
+    /// The name of the interaction.
+    name: &'static str,
     repulsion: Repulsion<f64>,
     /// The bodies in their order: two or more, or one that has images.
     bodies: Vec<usize>,
@@ -398,10 +400,15 @@ impl Simulation {
     }
 
     fn label_of_interaction(&self, index: usize) -> String {
+        // Adhesion to walls is an effect of that name.
+        let name = match self.between[index].name {
+            "adhesion" => "attraction",
+            name => name,
+        };
         if self.between.len() == 1 {
-            "repulsion".to_owned()
+            name.to_owned()
         } else {
-            format!("repulsion_{}", index + 1)
+            format!("{name}_{}", index + 1)
         }
     }
 }

@@ -28,6 +28,7 @@ fn free<T: Real>(modulus: T, range: T) -> Repulsion<T> {
     Repulsion {
         modulus,
         range,
+        attraction: T::zero(),
         images: Images::none(),
     }
 }
@@ -54,14 +55,20 @@ fn positions<T: Real>(meshes: &[Mesh]) -> Vec<Positions<T>> {
     meshes.iter().map(Mesh::positions_in).collect()
 }
 
-/// `w(d)/k` and `−w'(d)/(k d)`.
+/// `w(d)/k` and `−w'(d)/(k d)` of a repulsion.
 fn law(range: f64, distance: f64) -> [f64; 2] {
+    law_with(0.0, range, distance)
+}
+
+/// The same with attraction.
+fn law_with(attraction: f64, range: f64, distance: f64) -> [f64; 2] {
     let s2 = (distance / range).powi(2);
     if s2 >= 1.0 {
         return [0.0; 2];
     }
-    let energy = 0.25 * range.powi(2) * (1.0 - s2).powi(3) / s2;
-    let pressure = 0.5 * range * (1.0 - s2).powi(2) * (1.0 + 2.0 * s2) / s2.powf(1.5);
+    let energy = 0.25 * range.powi(2) * (1.0 - s2).powi(3) * (1.0 / s2 - attraction);
+    let pressed = 1.0 + 2.0 * s2 - 3.0 * attraction * s2 * s2;
+    let pressure = 0.5 * range * (1.0 - s2).powi(2) * pressed / s2.powf(1.5);
     [energy, pressure / distance]
 }
 
@@ -130,6 +137,7 @@ fn by_pairs(
     let Repulsion {
         modulus,
         range,
+        attraction,
         images,
     } = repulsion;
     let shifts = shifts(&images, range, positions);
@@ -150,7 +158,8 @@ fn by_pairs(
                     let hull = Vec::from_iter(corners.iter().map(|&j| positions[b][j]));
                     let apart = apart(x, &hull);
                     let weight = 0.5 * areas[a][i] * modulus * count;
-                    let [term, push] = law(range, norm(apart)).map(|number| weight * number);
+                    let law = law_with(attraction, range, norm(apart));
+                    let [term, push] = law.map(|number| weight * number);
                     energy += term;
                     for axis in 0..3 {
                         forces[a][i][axis] += push * apart[axis];
@@ -214,8 +223,18 @@ fn check_pairs(repulsion: Repulsion<f64>, meshes: &[Mesh]) -> f64 {
     let x = positions::<f64>(meshes);
     let (energy, forces) = evaluate(repulsion, meshes, &x);
     let (expected, direct) = by_pairs(repulsion, meshes, &x);
-    let near = nearness(expected);
-    tolerance::SAME.assert(energy, expected, near * expected.abs(), "E");
+    let attraction = 0.0;
+    let (size, _) = by_pairs(
+        Repulsion {
+            attraction,
+            ..repulsion
+        },
+        meshes,
+        &x,
+    );
+    let near = nearness(size);
+    let scale = near * (1.0 + repulsion.attraction) * size;
+    tolerance::SAME.assert(energy, expected, scale, "E");
     // Only net forces are compared: forces from changes of the vertex areas have no net force. Their values
     // are checked by the law of gradients.
     for (force, direct) in forces.iter().zip(&direct) {
@@ -237,6 +256,7 @@ fn check_gradient(repulsion: Repulsion<f64>, meshes: &[Mesh], seed: u64) {
     let dual = Repulsion {
         modulus: F1::cst(repulsion.modulus),
         range: F1::cst(repulsion.range),
+        attraction: F1::cst(repulsion.attraction),
         images: Images {
             periods: repulsion.images.periods.map(F1::cst),
             own: repulsion.images.own,
@@ -254,17 +274,33 @@ fn check_gradient(repulsion: Repulsion<f64>, meshes: &[Mesh], seed: u64) {
     }
 }
 
+/// None, or one at which surfaces rest at 0.9 to 0.3 of the range.
+fn attractions() -> impl Strategy<Value = f64> {
+    prop_oneof![Just(0.0), 1.3..50.0]
+}
+
 proptest! {
     #![proptest_config(cases(16))]
 
     #[test]
-    fn cells_find_all_pairs(seed in 0..1_000_000_u64, count in 2..6_usize, range in 0.05..2.5) {
-        check_pairs(free(3.0, range), &crowd(seed, count));
+    fn cells_find_all_pairs(
+        seed in 0..1_000_000_u64,
+        count in 2..6_usize,
+        range in 0.05..2.5,
+        attraction in attractions(),
+    ) {
+        let repulsion = Repulsion { attraction, ..free(3.0, range) };
+        check_pairs(repulsion, &crowd(seed, count));
     }
 
     #[test]
-    fn forces_are_gradients(seed in 0..1_000_000_u64, range in 0.2..1.0) {
-        check_gradient(free(3.0, range), &crowd(seed, 3), seed);
+    fn forces_are_gradients(
+        seed in 0..1_000_000_u64,
+        range in 0.2..1.0,
+        attraction in attractions(),
+    ) {
+        let repulsion = Repulsion { attraction, ..free(3.0, range) };
+        check_gradient(repulsion, &crowd(seed, 3), seed);
     }
 
     #[test]
@@ -324,6 +360,38 @@ fn any_extent_is_searched() {
         let found = check_pairs(Repulsion { range, ..repulsion }, &crowd);
         assert!(found.is_finite(), "range {range:e}: {found}");
     }
+}
+
+/// Spheres around each other at the distance of rest have the energy −W per area, and no force but that of their areas;
+/// nearer they repel, farther they attract each other.
+#[test]
+fn surfaces_adhere_at_their_distance_of_rest() {
+    let (energy, distance, range) = (0.7, 0.1, 0.25);
+    let adhesion = Repulsion::<f64>::adhesion(energy, distance, range);
+    let per_area = |gap: f64| {
+        let Repulsion {
+            modulus,
+            attraction,
+            ..
+        } = adhesion;
+        law_with(attraction, range, gap).map(|number| modulus * number)
+    };
+    let [least, none] = per_area(distance);
+    tolerance::SAME.assert(least, -energy, energy, "energy at rest");
+    tolerance::SAME.assert(none, 0.0, energy / (distance * distance), "force at rest");
+    assert!(per_area(0.9 * distance)[1] > 0.0 && per_area(1.1 * distance)[1] < 0.0);
+    let turn = rotation(GENERIC);
+    let meshes = [
+        icosphere(4).map(|x| x.map(|x| (1.0 - distance) * x)),
+        icosphere(4).map(|x| turned(turn, x)),
+    ];
+    let (found, _) = evaluate(adhesion, &meshes, &positions(&meshes));
+    let areas = 4.0 * PI * (1.0 + (1.0 - distance).powi(2));
+    // Gaps between triangles scatter by e²/8 = 0.004 around the distance of rest, where the energy has its least.
+    assert!(
+        (found / (-0.5 * energy * areas) - 1.0).abs() < 0.02,
+        "{found}"
+    );
 }
 
 /// Concentric spheres with the gap h have E = 2π (R1² + R2²) w(h) exactly; meshes rotated against each other

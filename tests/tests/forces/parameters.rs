@@ -53,6 +53,7 @@ fn parameters_that_are_no_numbers_are_refused() {
             strength: 1.0,
             distance: 0.1,
             range: 0.2,
+            attraction: 0.0,
             wall: [0.0; 3],
             normal: [0.0, 0.0, 1.0],
         };

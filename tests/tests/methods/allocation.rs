@@ -121,6 +121,7 @@ fn repulsion_allocates_once() {
         check_repulsion(Repulsion {
             modulus: 1.0,
             range: 0.6,
+            attraction: 0.0,
             images,
         });
     }

@@ -80,6 +80,7 @@ fn repulsion_is_that_of_the_core() {
         let core = Repulsion {
             modulus: 3.0,
             range: 0.2,
+            attraction: 0.0,
             images,
         };
         let mut expected = vec![[0.0; 3]; total];

@@ -20,7 +20,7 @@ pub(super) struct Face<T> {
     corners: Vec3<T>,
 }
 
-/// Potential at a point, in units of `k r_c²/4`, and minus its gradients with respect to the point
+/// Potential `(1 − q)³ (1/q − c)` at a point, q its squared distance, in units of `k r_c²/4`, and minus its gradients with respect to the point
 /// and the three corners, in units of `k r_c/2`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Felt<T> {
@@ -33,7 +33,7 @@ impl<T: Real> Felt<T> {
     /// Adds the potential of a point of the triangle, given by its weights of the corners. The
     /// gradient treats the weights as fixed, because the point is the nearest one.
     #[inline(always)]
-    fn add(&mut self, count: T, apart: Vec3<T>, squared: T, weights: [T; 3]) {
+    fn add(&mut self, attraction: T, count: T, apart: Vec3<T>, squared: T, weights: [T; 3]) {
         let one = T::one();
         if count == T::zero() || squared >= one {
             return;
@@ -41,8 +41,11 @@ impl<T: Real> Felt<T> {
         let inside = one - squared;
         let over = squared.recip();
         let common = count * (inside * inside * over);
-        self.potential += common * inside;
-        let push = scale(common * (one + squared + squared) * over, apart);
+        let drawn = attraction * squared;
+        self.potential += common * inside * (one - drawn);
+        let three = one + one + one;
+        let pressed = one + squared + squared - three * drawn * squared;
+        let push = scale(common * pressed * over, apart);
         self.force = add(self.force, push);
         for (corner, weight) in self.corners.iter_mut().zip(weights) {
             *corner = sub(*corner, scale(weight, push));
@@ -72,7 +75,7 @@ impl<T: Real> Face<T> {
     /// Near triangles are added, near sides subtracted and near corners added, so that a point of
     /// the surface that is nearest for several of these counts once (Euler's formula).
     #[inline(always)]
-    pub(super) fn felt(&self, from_corner: Vec3<T>) -> Option<Felt<T>> {
+    pub(super) fn felt(&self, from_corner: Vec3<T>, attraction: T) -> Option<Felt<T>> {
         let (zero, one) = (T::zero(), T::one());
         let height = dot(from_corner, self.normal);
         // The order of operations avoids overflow for very long ranges.
@@ -120,7 +123,7 @@ impl<T: Real> Face<T> {
         };
         if above {
             let foot = scale(over_height, self.normal);
-            felt.add(one, foot, squared, [first, second, third]);
+            felt.add(attraction, one, foot, squared, [first, second, third]);
         }
         // If the nearest point of a side is one of its ends, it counts as that corner.
         let mut counts = self.corners;
@@ -136,14 +139,20 @@ impl<T: Real> Face<T> {
                 let mut weights = [zero; 3];
                 weights[from] = one - along[side];
                 weights[to] = along[side];
-                felt.add(count, feet[side], distances[side], weights);
+                felt.add(attraction, count, feet[side], distances[side], weights);
             }
         }
         for corner in 0..3 {
             let mut weights = [zero; 3];
             weights[corner] = one;
             let place = places[corner];
-            felt.add(counts[corner], place, dot(place, place), weights);
+            felt.add(
+                attraction,
+                counts[corner],
+                place,
+                dot(place, place),
+                weights,
+            );
         }
         Some(felt)
     }

@@ -15,8 +15,8 @@ use super::source::Source;
 use super::tables::SCENE;
 use super::units::{Scale, TEMPERATURE, is_thermal};
 use super::value::{Origin, Origins, Table, Value};
-use super::{Driver, InteractionScene, MeshFiles, Scene, SceneFile, SurfaceScene, UnitSystem};
-use crate::flow::Barrier;
+use super::{Driver, InteractionScene, MeshFiles, Scene, SceneFile, UnitSystem};
+use crate::six::Six;
 use crate::six::rounded;
 use helfrich::Images;
 use std::path::Path;
@@ -128,10 +128,9 @@ impl Builder<'_> {
         let names = surfaces.iter().map(|surface| surface.name.as_str());
         self.different("surface", &Vec::from_iter(names), &readers);
         let interactions = scene.tables("interaction");
-        let barriers = interactions.iter().map(|reader| Barrier {
-            strength: reader.needed("strength"),
-            cutoff: reader.needed("cutoff"),
-        });
+        let barriers = interactions
+            .iter()
+            .map(|reader| pressure(*reader, None).barrier());
         self.barriers = barriers.collect();
         let table = scene.table("driver");
         let mut driver = table.and_then(|table| self.driver(table, &surfaces, &readers));
@@ -236,11 +235,21 @@ impl Builder<'_> {
                 between = Some([a, b]);
             }
         }
-        InteractionScene::Repulsion {
-            strength: interaction.needed("strength"),
-            cutoff,
-            between,
+        let found = pressure(interaction, between);
+        if let InteractionScene::Adhesion { distance, .. } = found
+            && distance >= cutoff
+        {
+            self.contradiction(
+                &interaction.origin_of("distance"),
+                format!(
+                    "surfaces would rest at {}, beyond the reach of the adhesion, {}: choose a longer `cutoff`, such \
+                     as twice the distance",
+                    Six(distance),
+                    Six(cutoff)
+                ),
+            );
         }
+        found
     }
 
     /// With a range longer than a period, every surface would act on itself.
@@ -250,7 +259,7 @@ impl Builder<'_> {
             self.contradiction(
                 origin,
                 format!(
-                    "the repulsion reaches {cutoff}, and the box, which is periodic along {}, is {} \
+                    "the interaction reaches {cutoff}, and the box, which is periodic along {}, is {} \
                      long: each surface would be pushed by every part of its own images: choose a \
                      shorter `cutoff`, or a longer `box`",
                     AXES[axis],
@@ -258,5 +267,23 @@ impl Builder<'_> {
                 ),
             );
         }
+    }
+}
+
+/// An interaction between these surfaces.
+fn pressure(interaction: Reader<'_>, between: Option<[usize; 2]>) -> InteractionScene {
+    let cutoff = interaction.needed("cutoff");
+    if interaction.text("kind") == Some("adhesion") {
+        return InteractionScene::Adhesion {
+            energy: interaction.needed("energy"),
+            distance: interaction.needed("distance"),
+            cutoff,
+            between,
+        };
+    }
+    InteractionScene::Repulsion {
+        strength: interaction.needed("strength"),
+        cutoff,
+        between,
     }
 }

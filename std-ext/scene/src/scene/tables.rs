@@ -4,7 +4,9 @@ mod output;
 mod surface;
 
 use super::drivers::DRIVER;
-use super::keys::{Form, Keys, NUMBER, optional, plain, positive, required};
+use super::keys::{
+    Form, Key, Keys, Kind, NUMBER, count_of, kinds, of_kinds, optional, plain, positive, required,
+};
 use super::units::Dimension;
 use output::OUTPUT;
 use surface::{OBSTACLE, SURFACE};
@@ -49,31 +51,69 @@ pub(super) static SCENE: Keys = plain(&[
     ),
 ]);
 
-static INTERACTION: Keys = plain(&[
-    required(
-        "kind",
-        Form::Choice(|| vec!["repulsion"]),
-        "The kind of interaction.",
-    ),
-    required(
-        "strength",
-        positive(Dimension::REPULSION),
-        "k in the energy per area w(d) = k r_c²/4 (1 − s²)³/s² of surfaces at a distance d, s = \
+const CUTOFF: Key = required(
+    "cutoff",
+    positive(Dimension::LENGTH),
+    "Distance r_c beyond which there is no force: a few node spacings on a lattice, and less \
+     than the gaps of interest.",
+);
+
+const BETWEEN: Key = optional(
+    "between",
+    Form::Pair,
+    "Names of two surfaces; by default every pair interacts, and in a periodic box every surface \
+         with its own images. If both names are the same, the surface interacts with its own images \
+         only.",
+);
+
+const INTERACTIONS: &[Kind] = &[
+    Kind {
+        name: "repulsion",
+        keys: &[
+            required(
+                "strength",
+                positive(Dimension::REPULSION),
+                "k in the energy per area w(d) = k r_c²/4 (1 − s²)³/s² of surfaces at a distance d, s = \
          d/r_c. The pressure k r_c/2 (1 − s²)² (1 + 2s²)/s³ grows without bound as surfaces \
          approach each other. If k r_c is about the applied pressure, they rest at two thirds of \
          r_c.",
+            ),
+            CUTOFF,
+            BETWEEN,
+        ],
+        exactly_one: &[],
+    },
+    Kind {
+        name: "adhesion",
+        keys: &[
+            required(
+                "energy",
+                positive(Dimension::TENSION),
+                "W, the energy per area that surfaces gain at their distance of rest.",
+            ),
+            required(
+                "distance",
+                positive(Dimension::LENGTH),
+                "Distance d at which surfaces rest, below the cutoff; nearer they repel each other without bound.",
+            ),
+            CUTOFF,
+            BETWEEN,
+        ],
+        exactly_one: &[],
+    },
+];
+
+static INTERACTION: Keys = Keys {
+    keys: &of_kinds::<{ 1 + count_of(INTERACTIONS) }>(
+        required(
+            "kind",
+            Form::Choice(|| kinds(&INTERACTION)),
+            "\"repulsion\"; \"adhesion\", attraction with a distance of rest.",
+        ),
+        INTERACTIONS,
     ),
-    required(
-        "cutoff",
-        positive(Dimension::LENGTH),
-        "Distance r_c beyond which there is no force: a few node spacings on a lattice, and less \
-         than the gaps of interest.",
-    ),
-    optional(
-        "between",
-        Form::Pair,
-        "Names of two surfaces; by default every pair interacts, and in a periodic box every surface \
-         with its own images. If both names are the same, the surface interacts with its own images \
-         only.",
-    ),
-]);
+    exactly_one: &[],
+    at_most_one: &[],
+    needs: &[],
+    kinds: INTERACTIONS,
+};

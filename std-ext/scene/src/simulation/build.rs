@@ -146,22 +146,18 @@ fn between_bodies(
     bodies: usize,
     images: Images<f64>,
 ) -> Repulsions {
-    let scene::InteractionScene::Repulsion {
-        strength,
-        cutoff,
-        between,
-    } = *interaction;
+    let between = interaction.between();
     let mut acting = between.map_or_else(|| Vec::from_iter(0..bodies), |pair| pair.to_vec());
     acting.sort_unstable();
     acting.dedup();
     Repulsions {
+        name: interaction.name(),
         repulsion: Repulsion {
-            modulus: strength,
-            range: cutoff,
             images: Images {
                 own: between.is_none_or(|[a, b]| a == b),
                 ..images
             },
+            ..interaction.pressure()
         },
         bodies: acting,
         memory: RepulsionMemory::default(),

@@ -148,21 +148,39 @@ impl SceneFile {
             warnings.push(self.doubt(path, message));
         };
         for (index, interaction) in self.scene.interactions.iter().enumerate() {
-            let InteractionScene::Repulsion {
-                cutoff, between, ..
-            } = interaction;
-            let concerned = between.is_none_or(|pair| pair.contains(&surface));
+            let cutoff = interaction.barrier().cutoff;
+            let concerned = interaction
+                .between()
+                .is_none_or(|pair| pair.contains(&surface));
             let longest = mesh.edge_lengths[1];
             let sag = 0.25 * longest * longest / mesh.enclosed_radius();
             if concerned && sag > SAG * cutoff {
                 let message = format!(
-                    "the repulsion reaches {}, and edges of \"{}\" are up to {} long: between its vertices a \
+                    "the {} reaches {}, and edges of \"{}\" are up to {} long: between its vertices a \
                      surface can slip by e²/4a = {} into another: choose a longer `cutoff` or more vertices, \
                      such that this is a quarter of it or less",
-                    Six(*cutoff),
+                    interaction.name(),
+                    Six(cutoff),
                     self.scene.surfaces[surface].name,
                     Six(longest),
                     Six(sag)
+                );
+                warn(&format!("interaction.{index}.cutoff"), message);
+            }
+            if let InteractionScene::Adhesion {
+                distance, cutoff, ..
+            } = *interaction
+                && concerned
+                && longest > cutoff - distance
+            {
+                let message = format!(
+                    "the adhesion reaches from {} to {}, and edges of \"{}\" are up to {} long: the rim of a contact, \
+                     where the gap opens, is held where it meets vertices: choose a longer `cutoff` or more \
+                     vertices, such that edges are shorter than the difference",
+                    Six(distance),
+                    Six(cutoff),
+                    self.scene.surfaces[surface].name,
+                    Six(longest)
                 );
                 warn(&format!("interaction.{index}.cutoff"), message);
             }

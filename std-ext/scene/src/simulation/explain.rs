@@ -116,26 +116,35 @@ impl Scene {
         });
         let number = Parameters::new(self.units);
         let interaction = |interaction: &InteractionScene| {
-            let InteractionScene::Repulsion {
-                strength,
-                cutoff,
-                between,
-            } = interaction;
             let name = |index: usize| self.surfaces[index].name.as_str();
             Active {
-                name: "repulsion",
-                choice: match between {
-                    Some([a, b]) if a == b => format!("between {} and its images", name(*a)),
-                    Some([a, b]) => format!("between {} and {}", name(*a), name(*b)),
+                name: interaction.name(),
+                choice: match interaction.between() {
+                    Some([a, b]) if a == b => format!("between {} and its images", name(a)),
+                    Some([a, b]) => format!("between {} and {}", name(a), name(b)),
                     None if self.driver.images().is_periodic() => {
                         "between all surfaces and their images".to_owned()
                     }
                     None => "between all surfaces".to_owned(),
                 },
-                parameters: vec![
-                    number.of("strength", *strength, Dimension::REPULSION),
-                    number.of("cutoff", *cutoff, Dimension::LENGTH),
-                ],
+                parameters: match *interaction {
+                    InteractionScene::Repulsion {
+                        strength, cutoff, ..
+                    } => vec![
+                        number.of("strength", strength, Dimension::REPULSION),
+                        number.of("cutoff", cutoff, Dimension::LENGTH),
+                    ],
+                    InteractionScene::Adhesion {
+                        energy,
+                        distance,
+                        cutoff,
+                        ..
+                    } => vec![
+                        number.of("energy", energy, Dimension::TENSION),
+                        number.of("distance", distance, Dimension::LENGTH),
+                        number.of("cutoff", cutoff, Dimension::LENGTH),
+                    ],
+                },
             }
         };
         let spectral_radius = driver::spectral_radius(self, meshes);

@@ -9,6 +9,8 @@ pub struct Barrier {
     pub strength: f64,
     /// r_c, the range.
     pub cutoff: f64,
+    /// c, by which surfaces attract each other; 0 without.
+    pub attraction: f64,
 }
 
 /// The adhesion by which a wall holds a membrane: see [`helfrich::WallAdhesion`].
@@ -30,10 +32,14 @@ const FASTEST: f64 = 1.793;
 const CONTACT: f64 = 10.0;
 
 impl Barrier {
-    /// p at the fraction s of the range: `k r_c/2 (1 − s²)² (1 + 2s²)/s³`.
+    /// p at the fraction s of the range: `k r_c/2 (1 − s²)² (1 + 2s² − 3c s⁴)/s³`.
     fn pressure(&self, s: f64) -> f64 {
         let q = s * s;
-        0.5 * self.strength * self.cutoff * (1.0 - q).powi(2) * (1.0 + 2.0 * q) / (q * s)
+        0.5 * self.strength * self.cutoff * (1.0 - q).powi(2) * self.pressed(q) / (q * s)
+    }
+
+    fn pressed(&self, q: f64) -> f64 {
+        1.0 + 2.0 * q - 3.0 * self.attraction * q * q
     }
 
     /// The fraction of the range at which the repulsion balances a pressure.
@@ -57,7 +63,8 @@ impl Barrier {
     fn contact(&self, pressure: f64) -> (f64, f64) {
         let s = self.part(CONTACT * pressure);
         let (q, gap) = (s * s, s * self.cutoff);
-        let exponent = 3.0 + 4.0 * q / (1.0 - q) - 4.0 * q / (1.0 + 2.0 * q);
+        let pressed = (4.0 - 12.0 * self.attraction * q) / self.pressed(q);
+        let exponent = 3.0 + 4.0 * q / (1.0 - q) - q * pressed;
         (gap, self.pressure(s) * exponent / gap)
     }
 
@@ -99,8 +106,18 @@ mod tests {
     /// The rate against a search over all wave numbers, with the slope by differences, and its scaling.
     #[test]
     fn the_rate_is_that_of_the_fastest_wave() {
-        for (strength, cutoff, pressure) in [(3.0, 0.2, 1.0), (1e4, 0.5, 2.0), (1e-3, 0.1, 1.0)] {
-            let barrier = Barrier { strength, cutoff };
+        let cases = [
+            (3.0, 0.2, 0.0, 1.0),
+            (1e4, 0.5, 0.0, 2.0),
+            (1e-3, 0.1, 0.0, 1.0),
+            (3.0, 0.2, 8.0, 1.0),
+        ];
+        for (strength, cutoff, attraction, pressure) in cases {
+            let barrier = Barrier {
+                strength,
+                cutoff,
+                attraction,
+            };
             let (gap, _) = barrier.contact(pressure);
             let at = |gap: f64| barrier.pressure(gap / cutoff);
             assert!((at(gap) / (10.0 * pressure) - 1.0).abs() < 1e-9);

@@ -109,6 +109,7 @@ fn repulsion<T: Real + Display>(left: Surface<'_, T>) {
     let repulsion = Repulsion {
         modulus: T::constant(MODULUS),
         range: T::constant(range),
+        attraction: T::zero(),
         images: Images::none(),
     };
     let apart = T::constant(2.0 * RADIUS + gap);
