@@ -66,6 +66,7 @@
 extern crate alloc;
 
 mod adhesion;
+mod aspiration;
 pub mod bending;
 mod components;
 pub mod constraint;
@@ -110,6 +111,7 @@ mod triangle;
 mod vec3;
 
 pub use adhesion::{WallAdhesion, WallAdhesionMemory};
+pub use aspiration::{Aspiration, AspirationMemory};
 pub use bending::{
     ControlPoints, Galerkin, GompperKroll, Hamann, Juelicher, KantorNelson, LoopSubdivision,
     MaterialParameter, StrongForm,

@@ -8,9 +8,9 @@ use crate::act::Act;
 use crate::execute::Parallel;
 use crate::method::{BendingMethod, MethodOptions, Settings, Visitor, choose};
 use helfrich::{
-    AnyFunctional, AreaDifference, BorderTension, Components, Conservative, Constraint, Cotangent,
-    Curvatures, DualArea, EndPull, Energy, Finding, ForceDensity, GaussianBending, GaussianDomains,
-    Gravity, InPlane, LaplaceBeltrami, LineTension, LocalArea, MaterialParameter,
+    AnyFunctional, AreaDifference, Aspiration, BorderTension, Components, Conservative, Constraint,
+    Cotangent, Curvatures, DualArea, EndPull, Energy, Finding, ForceDensity, GaussianBending,
+    GaussianDomains, Gravity, InPlane, LaplaceBeltrami, LineTension, LocalArea, MaterialParameter,
     MembraneViscosity, Method, NeoHookean, OsmoticPressure, ParameterError, Penalty, PointLoads,
     Prepared, Projected, ReferenceError, RigidBody, Skalak, StrainEnergy, StrongForm, Surface,
     SurfaceTension, Targets, TriangleMesh, WallAdhesion, remove_net_force_and_torque,
@@ -191,6 +191,7 @@ macro_rules! potentials {
 
 potentials! {
     AreaDifference<f64>,
+    Aspiration<f64>,
     BorderTension<f64>,
     EndPull<f64>,
     GaussianBending<f64>,

@@ -43,10 +43,10 @@ pub use drivers::{BoundaryIntegral, Driver, Integrator, LatticeBoltzmann, Relax,
 #[doc(hidden)]
 pub use effects::Named;
 pub use effects::{
-    Adhesion, AreaDifferenceTarget, Bending, BorderTension, EffectError, Effects, Elasticity, Ends,
-    GaussianBending, Gravity, Group, HeldArea, HeldAreaDifference, HeldTargets, HeldVolume, Hold,
-    InPlaneLaw, LineTension, LocalArea, MembraneViscosity, Pressure, Pull, Reference,
-    ReferenceSource, Stretching, Target, Tension, VolumeTarget,
+    Adhesion, AreaDifferenceTarget, Aspiration, Bending, BorderTension, EffectError, Effects,
+    Elasticity, Ends, GaussianBending, Gravity, Group, HeldArea, HeldAreaDifference, HeldTargets,
+    HeldVolume, Hold, InPlaneLaw, LineTension, LocalArea, MembraneViscosity, Pressure, Pull,
+    Reference, ReferenceSource, Stretching, Target, Tension, VolumeTarget,
 };
 pub(crate) use effects::{
     Groups, MeshCheck, Preparation, Stretch, capillary_number, reduced_volume,
@@ -144,8 +144,9 @@ pub enum InteractionScene {
         strength: f64,
         /// r_c, the range; there is no repulsion beyond it.
         cutoff: f64,
-        /// The two surfaces, counted from 0, or twice the same surface for its own images. `None`:
-        /// every pair and, in a periodic box, every surface with its own images.
+        /// The two surfaces, counted from 0, or twice the same surface for its own images; obstacles count after
+        /// the surfaces. `None`: every pair and, in a periodic box, every surface with its own images; in
+        /// relaxations also every surface with every obstacle.
         #[serde(skip_serializing_if = "Option::is_none")]
         between: Option<[usize; 2]>,
     },

@@ -97,6 +97,8 @@ struct Repulsions {
     repulsion: Repulsion<f64>,
     /// The bodies in their order: two or more, or one that has images.
     bodies: Vec<usize>,
+    /// The obstacles, with memory for the forces on them.
+    solids: Vec<(usize, Vec<[f64; 3]>)>,
     memory: RepulsionMemory<f64>,
     execution: Parallel,
     evaluations: u64,
@@ -349,7 +351,7 @@ impl Simulation {
         }
         for between in &mut self.between {
             let mut force = vec![[0.0; 3]; positions.len()];
-            match between.add_force(&self.bodies, positions, &mut force) {
+            match between.add_force(&self.bodies, &self.obstacles, positions, &mut force) {
                 Some(energy) => add(true, energy, force),
                 None => return Vec::new(),
             }
@@ -439,7 +441,8 @@ impl Problem for Simulation {
         }
         for between in &mut self.between {
             let start = Instant::now();
-            let Some(energy) = between.add_force(&self.bodies, positions, force) else {
+            let added = between.add_force(&self.bodies, &self.obstacles, positions, force);
+            let Some(energy) = added else {
                 return Evaluation::new(f64::NAN);
             };
             add(energy);
@@ -530,14 +533,19 @@ impl Repulsions {
     fn add_force(
         &mut self,
         bodies: &[Body],
+        obstacles: &[Obstacle],
         positions: &[[f64; 3]],
         force: &mut [[f64; 3]],
     ) -> Option<f64> {
-        let surfaces: Option<Vec<_>> = self
-            .bodies
-            .iter()
-            .map(|&body| bodies[body].surface(positions))
-            .collect();
+        let moving = self.bodies.iter();
+        let moving = moving.map(|&body| bodies[body].surface(positions));
+        let resting = self.solids.iter().map(|&(solid, _)| {
+            let Obstacle {
+                mesh, positions, ..
+            } = &obstacles[solid];
+            Surface::new(mesh, positions).ok()
+        });
+        let surfaces: Option<Vec<_>> = moving.chain(resting).collect();
         let surfaces = surfaces?;
         let mut rest = force;
         let mut first = 0;
@@ -549,6 +557,10 @@ impl Repulsions {
             forces.push(own);
             rest = after;
             first = vertices.end;
+        }
+        for (_, unused) in &mut self.solids {
+            unused.fill([0.0; 3]);
+            forces.push(unused);
         }
         let (repulsion, memory) = (&self.repulsion, &mut self.memory);
         Some(repel(

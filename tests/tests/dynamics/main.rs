@@ -1,5 +1,6 @@
 //! Drivers: relaxation, integration in time, capsules and drops in flow, and open membranes.
 
+mod at_rest;
 mod axisymmetric;
 mod capsules;
 mod contact;

@@ -7,6 +7,7 @@
 mod adhesion;
 mod area;
 mod area_difference;
+mod aspiration;
 mod bending;
 mod border_tension;
 mod elasticity;
@@ -27,6 +28,7 @@ mod volume;
 pub use adhesion::Adhesion;
 pub use area::{HeldArea, Target};
 pub use area_difference::{AreaDifferenceTarget, HeldAreaDifference};
+pub use aspiration::Aspiration;
 pub use bending::Bending;
 pub use border_tension::BorderTension;
 pub use elasticity::{Elasticity, InPlaneLaw};
@@ -140,6 +142,8 @@ effects! {
     pressure: Pressure,
     /// Weight of the enclosed fluid minus that of the fluid that it displaces.
     gravity: Gravity,
+    /// Suction into a pipette.
+    aspiration: Aspiration,
     /// Adhesion to a wall.
     adhesion: Adhesion,
     /// Viscosity of the membrane.

@@ -136,11 +136,29 @@ impl Builder<'_> {
         let mut driver = table.and_then(|table| self.driver(table, &surfaces, &readers));
         let course = self.course(table);
         let images = driver.as_ref().map(Driver::images);
+        let solids = scene.tables("obstacle");
+        let obstacles = self.obstacles(&solids, driver.as_ref());
+        let relaxes = matches!(driver, Some(Driver::Relax(_)));
+        let bodies = Bodies {
+            names: Vec::from_iter(
+                (surfaces.iter().map(|surface| surface.name.as_str()))
+                    .chain(obstacles.iter().map(|obstacle| obstacle.name.as_str())),
+            ),
+            surfaces: surfaces.len(),
+            all: surfaces.len() + if relaxes { obstacles.len() } else { 0 },
+        };
+        if let ([], true, [first, ..]) = (interactions.as_slice(), relaxes, solids.as_slice()) {
+            self.contradiction(
+                first.origin(),
+                "nothing keeps surfaces away from this obstacle: add an [[interaction]], or leave the \
+                 obstacle out"
+                    .to_owned(),
+            );
+        }
         let interactions = interactions
             .into_iter()
-            .map(|reader| self.interaction(reader, &surfaces, images.as_ref()))
+            .map(|reader| self.interaction(reader, &bodies, images.as_ref()))
             .collect();
-        let obstacles = self.obstacles(&scene.tables("obstacle"), driver.as_ref());
         let output = self.output(scene.table("output"), driver.as_ref());
         if let Some(table) = table {
             self.fit_step(table, driver.as_mut(), &output);
@@ -187,11 +205,12 @@ impl Builder<'_> {
     fn interaction(
         &mut self,
         interaction: Reader<'_>,
-        surfaces: &[SurfaceScene],
+        bodies: &Bodies<'_>,
         images: Option<&Images<f64>>,
     ) -> InteractionScene {
         let alone = images.is_some_and(|images| !images.is_periodic());
-        if surfaces.len() == 1 && alone {
+        let names = interaction.texts("between");
+        if bodies.all == 1 && names.is_empty() && alone {
             self.contradiction(
                 interaction.origin(),
                 "an interaction acts between two surfaces, and the scene has only one: add a \
@@ -204,10 +223,9 @@ impl Builder<'_> {
         if let Some(images) = images {
             self.in_one_period(&interaction.origin_of("cutoff"), cutoff, images);
         }
-        let names = interaction.texts("between");
         let mut between = None;
         if let [a, b] = names.as_slice() {
-            let known = Vec::from_iter(surfaces.iter().map(|surface| surface.name.as_str()));
+            let known = &bodies.names;
             let origin = interaction.origin_of("between");
             let mut index = |name: &str| {
                 let found = known.iter().position(|known| *known == name);
@@ -215,7 +233,7 @@ impl Builder<'_> {
                     let problem = Problem::UnknownName {
                         key: "between".to_owned(),
                         name: name.to_owned(),
-                        nearest: super::keys::nearest(name, &known),
+                        nearest: super::keys::nearest(name, known),
                         known: known.join(", "),
                     };
                     self.problems.add(&origin, problem);
@@ -230,6 +248,13 @@ impl Builder<'_> {
                             "`between` names \"{}\" twice: two surfaces are needed where no box is periodic",
                             known[a]
                         ),
+                    );
+                }
+                if a.min(b) >= bodies.surfaces {
+                    self.contradiction(
+                        &origin,
+                        "`between` names two obstacles, which do not move: name a surface"
+                            .to_owned(),
                     );
                 }
                 between = Some([a, b]);
@@ -268,6 +293,16 @@ impl Builder<'_> {
             );
         }
     }
+}
+
+/// Surfaces and obstacles, of which interactions name two.
+struct Bodies<'a> {
+    /// The names of the surfaces, then those of the obstacles.
+    names: Vec<&'a str>,
+    /// Number of surfaces.
+    surfaces: usize,
+    /// Number of all that interact unless they are named.
+    all: usize,
 }
 
 /// An interaction between these surfaces.

@@ -61,9 +61,9 @@ const CUTOFF: Key = required(
 const BETWEEN: Key = optional(
     "between",
     Form::Pair,
-    "Names of two surfaces; by default every pair interacts, and in a periodic box every surface \
-         with its own images. If both names are the same, the surface interacts with its own images \
-         only.",
+    "Names of two surfaces, or of a surface and an obstacle; by default every pair of surfaces interacts, in a \
+     periodic box every surface with its own images, and with the driver \"relax\" every surface with every obstacle. \
+     If both names are the same, the surface interacts with its own images only.",
 );
 
 const INTERACTIONS: &[Kind] = &[

@@ -81,7 +81,10 @@ pub fn build(file: &SceneFile) -> Result<(Simulation, Vec<[f64; 3]>), BuildError
     let obstacles = obstacles(file, &bodies, &positions, &mut files, &mut warnings)?;
     let images = scene.driver.images();
     let between = scene.interactions.iter();
-    let between = between.map(|interaction| between_bodies(interaction, bodies.len(), images));
+    let relaxes = matches!(scene.driver, scene::Driver::Relax(_));
+    let count = [bodies.len(), if relaxes { obstacles.len() } else { 0 }];
+    let between =
+        between.map(|interaction| between_bodies(interaction, &bodies, &obstacles, count, images));
     let between = between.collect();
     let names = Vec::from_iter(scene.surfaces.iter().map(|surface| surface.name.as_str()));
     let warnings = said_once(warnings, &names);
@@ -140,16 +143,27 @@ fn obstacles(
     Ok(obstacles)
 }
 
-/// An interaction of these bodies.
+/// An interaction of these bodies; of the first `count` of each unless it names two.
 fn between_bodies(
     interaction: &scene::InteractionScene,
-    bodies: usize,
+    bodies: &[Body],
+    obstacles: &[Obstacle],
+    count: [usize; 2],
     images: Images<f64>,
 ) -> Repulsions {
     let between = interaction.between();
-    let mut acting = between.map_or_else(|| Vec::from_iter(0..bodies), |pair| pair.to_vec());
+    let [moving, resting] = count;
+    let all = || (0..moving).chain((0..resting).map(|number| bodies.len() + number));
+    let mut acting = between.map_or_else(|| Vec::from_iter(all()), |pair| pair.to_vec());
     acting.sort_unstable();
     acting.dedup();
+    let (moving, resting) =
+        acting.split_at(acting.partition_point(|&number| number < bodies.len()));
+    let solids = resting.iter().map(|number| {
+        let obstacle = &obstacles[number - bodies.len()];
+        let forces = vec![[0.0; 3]; obstacle.positions.len()];
+        (number - bodies.len(), forces)
+    });
     Repulsions {
         name: interaction.name(),
         repulsion: Repulsion {
@@ -159,7 +173,8 @@ fn between_bodies(
             },
             ..interaction.pressure()
         },
-        bodies: acting,
+        bodies: moving.to_vec(),
+        solids: solids.collect(),
         memory: RepulsionMemory::default(),
         execution: Parallel::new(),
         evaluations: 0,

@@ -124,7 +124,7 @@ impl SceneFile {
         };
         let message = match mesh.volume {
             None => format!(
-                "the mesh of the obstacle \"{name}\" has {} boundary edges, and fluid flows around closed \
+                "the mesh of the obstacle \"{name}\" has {} boundary edges, and obstacles are closed \
                  bodies: close the mesh",
                 mesh.boundary_edges
             ),

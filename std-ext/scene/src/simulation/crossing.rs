@@ -52,20 +52,20 @@ impl Simulation {
 
     /// Whether the two that cross repel each other.
     pub fn is_repelled(&self, crossing: &Crossing) -> bool {
-        let number = |name: &str| self.bodies.iter().position(|body| body.name() == name);
-        let surface = number(&crossing.surface);
-        let other = match &crossing.into {
-            Some(name) => number(name),
-            None => surface,
-        };
-        let (Some(surface), Some(other)) = (surface, other) else {
+        let body = |name: &str| self.bodies.iter().position(|body| body.name() == name);
+        let Some(surface) = body(&crossing.surface) else {
             return false;
         };
+        let solid = |name: &str| self.obstacles.iter().position(|solid| solid.name == name);
+        let other = crossing.into.as_deref();
         self.between.iter().any(|between| {
-            let both = [surface, other]
-                .iter()
-                .all(|at| between.bodies.contains(at));
-            both && (surface != other || between.repulsion.images.own)
+            let has = |body: Option<usize>| body.is_some_and(|body| between.bodies.contains(&body));
+            let repels = |solid: usize| between.solids.iter().any(|&(number, _)| number == solid);
+            let meets = match other {
+                None => between.repulsion.images.own,
+                Some(name) => has(body(name)) || solid(name).is_some_and(repels),
+            };
+            has(Some(surface)) && meets
         })
     }
 }

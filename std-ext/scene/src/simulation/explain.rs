@@ -116,7 +116,10 @@ impl Scene {
         });
         let number = Parameters::new(self.units);
         let interaction = |interaction: &InteractionScene| {
-            let name = |index: usize| self.surfaces[index].name.as_str();
+            let name = |index: usize| match self.surfaces.get(index) {
+                Some(surface) => surface.name.as_str(),
+                None => self.obstacles[index - self.surfaces.len()].name.as_str(),
+            };
             Active {
                 name: interaction.name(),
                 choice: match interaction.between() {

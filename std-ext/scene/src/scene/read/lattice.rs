@@ -440,20 +440,21 @@ impl Builder<'_> {
         }
     }
 
-    /// Bodies at rest, which only a box of fluid can have.
+    /// Bodies at rest: in a box of fluid, which flows around them, and in relaxations, where interactions keep
+    /// surfaces away from them.
     pub(super) fn obstacles(
         &mut self,
         readers: &[Reader<'_>],
         driver: Option<&Driver>,
     ) -> Vec<ObstacleScene> {
         if let (Some(driver), [first, ..]) = (driver, readers)
-            && !matches!(driver, Driver::LatticeBoltzmann(_))
+            && matches!(driver, Driver::BoundaryIntegral(_))
         {
             self.contradiction(
                 first.origin(),
                 format!(
-                    "an obstacle stands in a box of fluid, and the driver \"{}\" has none: leave \
-                     [[obstacle]] out, or choose the driver \"lattice-boltzmann\"",
+                    "fluid would flow through an obstacle with the driver \"{}\": leave [[obstacle]] out, or \
+                     choose the driver \"lattice-boltzmann\" or \"relax\"",
                     driver.name()
                 ),
             );

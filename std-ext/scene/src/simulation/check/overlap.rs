@@ -27,7 +27,7 @@ impl SceneFile {
         let message = if let [inside, ..] = inside_of_images(body, solid, &images).as_slice() {
             format!(
                 "\"{name}\" starts inside the obstacle \"{solid_name}\", with {} vertices, {} the \
-                 first{}: no fluid is there: move one of them",
+                 first{}: obstacles are solid: move one of them",
                 inside.count,
                 inside.first,
                 through(inside)
