@@ -10,7 +10,6 @@ mod area_vectors;
 mod galerkin;
 mod gompper_kroll;
 mod hamann;
-mod hinge;
 mod juelicher;
 mod kantor_nelson;
 mod loop_subdivision;
@@ -18,11 +17,11 @@ mod material_parameter;
 mod strong_form;
 mod surface_point;
 
+pub use crate::hinge::{Hinge, HingeMemory, Hinges, OverHinges};
 pub(crate) use area_vectors::AreaVectors;
 pub use galerkin::{Galerkin, GalerkinMemory, PatchFunctional, PatchFunctionalMemory};
 pub use gompper_kroll::{GompperKroll, GompperKrollMemory};
 pub use hamann::{Hamann, HamannMemory};
-pub use hinge::{Hinge, HingeMemory, Hinges, OverHinges};
 pub use juelicher::{Juelicher, JuelicherMemory};
 pub use kantor_nelson::{FlatReference, KantorNelson, ReferenceAngles};
 pub use loop_subdivision::{

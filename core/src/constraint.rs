@@ -1,9 +1,10 @@
 //! Exact constraints on area, volume and area difference of each component, and energies of these
 //! quantities.
 
+use crate::any_functional::AnyFunctional;
 use crate::components::Components;
 use crate::element::{Execution, Serial};
-use crate::functional::{AnyFunctional, ComponentElements, Functional};
+use crate::functional::{ComponentElements, Functional};
 use crate::lane::Lane;
 use crate::mesh::TriangleMesh;
 use crate::method::{Method, ParameterError, Workspace};

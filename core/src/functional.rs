@@ -11,15 +11,12 @@ use crate::vec3::{cross, dot};
 use alloc::vec::Vec;
 use core::ops::Range;
 
-mod any_functional;
 mod boundary_length;
 mod enclosed_volume;
 mod total_area;
 mod total_gaussian_curvature;
 mod total_mean_curvature;
 
-pub use crate::bending::{PatchFunctional, PatchFunctionalMemory};
-pub use any_functional::{AnyFunctional, AnyFunctionalMemory};
 pub use boundary_length::BoundaryLength;
 pub(crate) use boundary_length::LengthGradient;
 pub use enclosed_volume::EnclosedVolume;

@@ -66,6 +66,7 @@
 extern crate alloc;
 
 mod adhesion;
+mod any_functional;
 mod aspiration;
 pub mod bending;
 mod components;
@@ -83,6 +84,7 @@ mod face_tree;
 mod fit;
 pub mod functional;
 mod gravity;
+mod hinge;
 mod indices;
 pub mod interaction;
 mod lane;
@@ -93,6 +95,7 @@ mod mesh_identity;
 mod method;
 mod neighbourhood;
 mod noise;
+mod parameter;
 mod points;
 mod prepared;
 mod projection;
@@ -111,10 +114,11 @@ mod triangle;
 mod vec3;
 
 pub use adhesion::{WallAdhesion, WallAdhesionMemory};
+pub use any_functional::{AnyFunctional, AnyFunctionalMemory};
 pub use aspiration::{Aspiration, AspirationMemory};
 pub use bending::{
     ControlPoints, Galerkin, GompperKroll, Hamann, Juelicher, KantorNelson, LoopSubdivision,
-    MaterialParameter, StrongForm,
+    MaterialParameter, PatchFunctional, StrongForm,
 };
 pub use components::{Components, Part};
 pub use constraint::{
@@ -131,8 +135,8 @@ pub use element::{Execution, Serial};
 pub use end_pull::{EndPull, EndPullMemory};
 pub use face_tree::MeshPoint;
 pub use functional::{
-    AnyFunctional, BoundaryLength, EnclosedVolume, Functional, PatchFunctional, TotalArea,
-    TotalGaussianCurvature, TotalMeanCurvature,
+    BoundaryLength, EnclosedVolume, Functional, TotalArea, TotalGaussianCurvature,
+    TotalMeanCurvature,
 };
 pub use gravity::{Gravity, GravityMemory};
 pub use indices::TriangleIndices;

@@ -3,10 +3,10 @@
 //! F. Jülicher, J. Phys. II France 6 (1996) 1797. The gradient is our own.
 
 use crate::bending::MaterialParameter;
-use crate::bending::hinge::{Hinge, Hinges};
 use crate::curvature::{Curvature, Curvatures};
 use crate::diagnostic::Finding;
 use crate::element::{Corners, ElementKernel, Execution, of_vertices};
+use crate::hinge::{Hinge, Hinges};
 use crate::lane::Lane;
 use crate::laplacian::{Cotangent, VertexSums};
 use crate::mesh::{TriangleMesh, VertexKind};

@@ -4,10 +4,10 @@
 //! H. S. Seung and D. R. Nelson, Phys. Rev. A 38 (1988) 1005, and G. Gompper and D. M. Kroll,
 //! J. Phys. I France 6 (1996) 1305.
 
-use crate::bending::hinge::{Hinge, HingeMemory, Hinges};
 use crate::diagnostic::Finding;
 use crate::elasticity::ReferenceError;
 use crate::element::{Corners, ElementEnergy, Execution};
+use crate::hinge::{Hinge, HingeMemory, Hinges};
 use crate::mesh::TriangleMesh;
 use crate::mesh_identity::MeshIdentity;
 use crate::method::{Conservative, Energy, Force, Method, ParameterError, Workspace};

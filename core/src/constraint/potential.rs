@@ -1,10 +1,11 @@
 //! Energies of a functional of each component.
 
 use super::Targets;
+use crate::any_functional::AnyFunctional;
 use crate::diagnostic::Finding;
 use crate::element::Execution;
 use crate::functional::{
-    AnyFunctional, BoundaryLength, EnclosedVolume, Functional, TotalArea, TotalGaussianCurvature,
+    BoundaryLength, EnclosedVolume, Functional, TotalArea, TotalGaussianCurvature,
 };
 use crate::lane::Lane;
 use crate::mesh::TriangleMesh;

@@ -1,7 +1,7 @@
 //! Energies that are sums over elements.
 
 use super::{Corners, ElementKernel, Execution};
-use crate::method::ParameterError;
+use crate::parameter::ParameterError;
 use crate::real::Real;
 use crate::surface::Surface;
 use crate::vec3::add;

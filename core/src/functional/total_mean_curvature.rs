@@ -3,9 +3,9 @@
 //! Integrated mean curvature of polyhedra: J. Steiner, Monatsber. Preuss. Akad. Wiss. (1840) 114.
 
 use super::{ComponentElements, Functional};
-use crate::bending::{Hinge, Hinges};
 use crate::components::Components;
 use crate::element::{Corners, ElementKernel, Execution};
+use crate::hinge::{Hinge, Hinges};
 use crate::mesh::TriangleMesh;
 use crate::method::{Method, Workspace};
 use crate::real::Real;

@@ -1,6 +1,7 @@
 //! Forces on membranes besides bending.
 
 mod adhesion;
+mod aspiration;
 mod constraints;
 mod dissipation;
 mod domains;

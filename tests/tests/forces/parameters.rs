@@ -1,8 +1,9 @@
 //! Parameters of effects that are not finite are refused and named.
 
 use helfrich::{
-    AnyFunctional, AreaDifference, EndPull, Gravity, MembraneViscosity, Method, OsmoticPressure,
-    ParameterError, Penalty, PointLoads, Repulsion, SurfaceTension, Targets, WallAdhesion,
+    AnyFunctional, AreaDifference, Aspiration, EndPull, Gravity, MembraneViscosity, Method,
+    OsmoticPressure, ParameterError, Penalty, PointLoads, Repulsion, SurfaceTension, Targets,
+    WallAdhesion,
 };
 use helfrich::{Images, Interaction, Prepared, Serial};
 use helfrich_tests::meshes::icosphere;
@@ -37,6 +38,27 @@ fn parameters_that_are_no_numbers_are_refused() {
             level: place,
         };
         refused(deep, "level of gravity");
+        let pipette = Aspiration {
+            pressure: 1.0,
+            mouth: [0.0; 3],
+            axis: [0.0, 0.0, 1.0],
+            width: 0.1,
+        };
+        let (pressure, mouth, axis, width) = (value, place, place, value);
+        let strong = Aspiration {
+            pressure,
+            ..pipette
+        };
+        refused(strong, "pressure of the aspiration");
+        refused(Aspiration { mouth, ..pipette }, "mouth of the pipette");
+        refused(Aspiration { axis, ..pipette }, "axis of the pipette");
+        let wide = Aspiration { width, ..pipette };
+        refused(wide, "width of the mouth's pressure");
+        let sharp = Aspiration {
+            width: 0.0,
+            ..pipette
+        };
+        refused(sharp, "inverse width of the mouth's pressure");
         let slope = "tension, pressure difference or Gaussian modulus";
         refused(SurfaceTension::new(value), slope);
         refused(OsmoticPressure::new(value), slope);
@@ -53,7 +75,6 @@ fn parameters_that_are_no_numbers_are_refused() {
             strength: 1.0,
             distance: 0.1,
             range: 0.2,
-            attraction: 0.0,
             wall: [0.0; 3],
             normal: [0.0, 0.0, 1.0],
         };
@@ -105,6 +126,7 @@ fn a_repulsion_without_modulus_has_no_energy() {
         let repulsion = Repulsion {
             modulus,
             range: 0.2,
+            attraction: 0.0,
             images: Images::none(),
         };
         let surfaces = [near.surface(), other.surface()];

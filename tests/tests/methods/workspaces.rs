@@ -2,13 +2,13 @@
 
 use crate::range::refusal;
 use helfrich::{
-    AnyFunctional, AreaDifference, BoundaryLength, Conservative, Constraint, Constraints,
-    ControlPoints, CorrectedCurvature, Curvature, Curvatures, Dissipation, EnclosedVolume, EndPull,
-    Energy, Force, ForceDensity, Functional, GompperKroll, Gravity, Hamann, InPlane, Juelicher,
-    KantorNelson, LaplaceBeltrami, LoopSubdivision, MaterialParameter, MembraneViscosity, Method,
-    NeoHookean, Paraboloid, PatchFunctional, PointLoads, Prepared, Projected, Rows, Serial,
-    StrongForm, Surface, Targets, TotalArea, TotalGaussianCurvature, TotalMeanCurvature,
-    TriangleMesh, VertexNormals, Workspace,
+    AnyFunctional, AreaDifference, Aspiration, BoundaryLength, Conservative, Constraint,
+    Constraints, ControlPoints, CorrectedCurvature, Curvature, Curvatures, Dissipation,
+    EnclosedVolume, EndPull, Energy, Force, ForceDensity, Functional, GompperKroll, Gravity,
+    Hamann, InPlane, Juelicher, KantorNelson, LaplaceBeltrami, LoopSubdivision, MaterialParameter,
+    MembraneViscosity, Method, NeoHookean, Paraboloid, PatchFunctional, PointLoads, Prepared,
+    Projected, Rows, Serial, StrongForm, Surface, Targets, TotalArea, TotalGaussianCurvature,
+    TotalMeanCurvature, TriangleMesh, VertexNormals, Workspace,
 };
 use helfrich_tests::laws::{
     Candidate, ConservativeCandidate, ConservativeLaw, Law, OperatorLaw, for_each,
@@ -242,6 +242,13 @@ fn functionals_and_effects_refuse_workspaces_of_other_meshes() {
     meshes.check_conservative("area difference", &AreaDifference::new(1.0, 20.0));
     let (weight, level) = ([0.0, 0.0, 1.0], [0.0; 3]);
     meshes.check_conservative("gravity", &Gravity { weight, level });
+    let pipette = Aspiration {
+        pressure: 1.0,
+        mouth: level,
+        axis: weight,
+        width: 0.1,
+    };
+    meshes.check_conservative("aspiration", &pipette);
     let own = &meshes.own.connectivity;
     let loads = PointLoads::new(own, vec![(3, [1.0, 0.0, 0.0])]).expect("a load");
     meshes.check_conservative("loads", &loads);

@@ -37,7 +37,8 @@ pub(super) static SCENE: Keys = plain(&[
     optional(
         "obstacle",
         Form::Tables(&OBSTACLE),
-        "A closed body at rest in the fluid; for the driver \"lattice-boltzmann\".",
+        "A closed body at rest: in the fluid of the driver \"lattice-boltzmann\", or one that an interaction keeps \
+         surfaces away from, with \"relax\".",
     ),
     required(
         "driver",

@@ -1,8 +1,9 @@
 //! A functional chosen at run time.
 
-use super::{EnclosedVolume, Functional, PatchFunctional, TotalArea, TotalMeanCurvature};
+use crate::bending::PatchFunctional;
 use crate::components::Components;
 use crate::element::Execution;
+use crate::functional::{EnclosedVolume, Functional, TotalArea, TotalMeanCurvature};
 use crate::mesh::TriangleMesh;
 use crate::method::{Method, Workspace};
 use crate::real::Real;
