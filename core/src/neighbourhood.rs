@@ -70,6 +70,33 @@ impl<T: Real> Neighbourhood<T> {
         }
     }
 
+    /// Finds vertices beyond whole rings around `centre`, along edges from the `nearest` of these rings on, as long as
+    /// keys of distances are within a bound.
+    pub(crate) fn beyond(
+        &mut self,
+        surface: Surface<'_, T>,
+        centre: u32,
+        rings: Nearby<'_>,
+        (nearest, bound): (&[u32], i32),
+    ) {
+        self.start(surface.mesh(), centre);
+        for &vertex in rings.vertices {
+            self.reached[vertex as usize] = self.search;
+        }
+        let last = &rings.vertices[rings.inner..];
+        let outer = nearest.iter().rev().take_while(|at| last.contains(at));
+        for &vertex in &nearest[nearest.len() - outer.count()..] {
+            self.reach_around(surface, centre, vertex);
+        }
+        let mut place = 0;
+        while let Some(&(squared, vertex)) = self.found.get(place) {
+            if key_of(squared) <= bound {
+                self.reach_around(surface, centre, vertex);
+            }
+            place += 1;
+        }
+    }
+
     /// Finds the `count` nearest of the vertices that are reached first, sorted by Euclidean
     /// distance, and by number where distances are equal.
     pub(crate) fn nearest(&mut self, surface: Surface<'_, T>, centre: u32, count: usize) {
@@ -170,25 +197,19 @@ pub struct Surroundings {
     /// Start of the neighbourhood of each vertex, and the end of the last.
     offsets: Vec<usize>,
     vertices: Vec<u32>,
-    /// Vertex counts of the first n − 1 and n rings.
-    first_rings: Vec<[u32; 2]>,
+    /// Number of vertices without those of the last ring.
+    inner: Vec<u32>,
     /// Largest number of candidates of one vertex.
     room: usize,
 }
 
 impl Surroundings {
-    /// At least `most · 8/5` vertices around each: enough to find the `most` nearest. The first rings
-    /// have half of that.
-    pub(crate) fn new(mesh: &TriangleMesh, most: usize) -> Self {
-        Self::rings(mesh, |_| most + most * 3 / 5)
-    }
-
     /// Searches breadth-first around each vertex until at least `enough` vertices, a number for each
     /// vertex, and two whole rings are reached, or all vertices of the component.
     pub(crate) fn rings(mesh: &TriangleMesh, enough: impl Fn(usize) -> usize) -> Self {
         let count = mesh.vertex_count();
         let mut offsets = Vec::with_capacity(count + 1);
-        let mut first_rings = Vec::with_capacity(count);
+        let mut inner = Vec::with_capacity(count);
         // Those up to `end` are reached, others are room.
         let (mut vertices, mut end): (Vec<u32>, usize) = (Vec::new(), 0);
         let mut longest = 0;
@@ -218,7 +239,6 @@ impl Surroundings {
             };
             let mut reached_to = reach_around(&mut vertices, centre);
             let (mut rings, mut done) = (1, start);
-            let mut first = [0, reached_to - start];
             // What was reached is its own queue: what lies from `done` on is the newest ring.
             while done < reached_to && (rings < 2 || reached_to - start < enough) {
                 let ring = done..reached_to;
@@ -228,11 +248,8 @@ impl Surroundings {
                     reached_to = reach_around(&mut vertices, vertex);
                 }
                 rings += 1;
-                if rings <= 2 || first[1] < enough / 2 {
-                    first = [done - start, reached_to - start];
-                }
             }
-            first_rings.push(first.map(|number| number as u32));
+            inner.push((done - start) as u32);
             offsets.push(reached_to);
             longest = longest.max(reached_to - start);
         }
@@ -241,7 +258,7 @@ impl Surroundings {
         Self {
             offsets,
             vertices,
-            first_rings,
+            inner,
             room: longest,
         }
     }
@@ -257,16 +274,16 @@ impl Surroundings {
     pub(crate) fn of(&self, vertex: usize) -> Nearby<'_> {
         Nearby {
             vertices: &self.vertices[self.offsets[vertex]..self.offsets[vertex + 1]],
-            first_rings: self.first_rings[vertex].map(|number| number as usize),
+            inner: self.inner[vertex] as usize,
         }
     }
 }
 
 /// Known distances of vertices, and the memory of the search for the nearest.
 pub(crate) struct Search<'a> {
-    /// Keys of the distances: room for one of each vertex, of which the first `known` are set.
+    /// Keys of the distances: room for one of each vertex; and whether they are set.
     pub(crate) keys: &'a mut [i32],
-    pub(crate) known: &'a mut usize,
+    pub(crate) are_known: &'a mut bool,
     /// Scratch memory: twice as many entries, and one more.
     pub(crate) ranks: &'a mut [u64],
     /// A key between those of the nearest and of the others, 0 if none is known. That of an earlier evaluation
@@ -279,8 +296,8 @@ pub(crate) struct Search<'a> {
 #[derive(Clone, Copy)]
 pub(crate) struct Nearby<'a> {
     vertices: &'a [u32],
-    /// Vertex counts of the first n − 1 and n rings.
-    first_rings: [usize; 2],
+    /// Number of vertices without those of the last ring.
+    inner: usize,
 }
 
 impl<'a> Nearby<'a> {
@@ -301,9 +318,9 @@ impl Nearby<'_> {
     /// as many. Distances are compared to six digits; of several vertices with the same distance, the
     /// smallest numbers are taken.
     ///
-    /// The first rings suffice if their last one has no vertex among the nearest: rings beyond it are
-    /// then farther still. Not inlined, because there is little to vectorise, and the loops of fits
-    /// leave no registers.
+    /// False if vertices beyond these rings may be nearer, which they are not if the last one has no vertex among the
+    /// nearest: rings beyond it are then farther still. Not inlined, because there is little to vectorise, and the
+    /// loops of fits leave no registers.
     #[inline(never)]
     pub(crate) fn set_nearest<T: Real>(
         &self,
@@ -311,44 +328,34 @@ impl Nearby<'_> {
         surface: Surface<'_, T>,
         centre: u32,
         search: Search<'_>,
-    ) {
+    ) -> bool {
         let Search {
             keys,
-            known,
+            are_known,
             ranks,
             bound,
         } = search;
-        let [inner, first] = self.first_rings;
-        if *known < first {
-            set_keys(keys, surface, centre, &self.vertices[..first]);
-            *known = first;
+        if !*are_known {
+            set_keys(keys, surface, centre, self.vertices);
+            *are_known = true;
         }
+        let keys = &keys[..self.vertices.len()];
         let mut beyond = FARTHEST;
-        for &key in &keys[inner..first] {
+        for &key in &keys[self.inner..] {
             beyond = beyond.min(key);
         }
-        let (inner_vertices, inner_keys) = (&self.vertices[..inner], &keys[..inner]);
-        let is_within = 0 < *bound && *bound < beyond;
-        if is_within && count_within(inner_keys, *bound) == nearest.len() {
-            return take(nearest, inner_vertices, inner_keys, *bound);
-        }
-        let within = count_within(inner_keys, beyond - 1);
-        if within >= nearest.len() {
-            let above = (beyond - 1, within);
-            *bound = choose(nearest, inner_vertices, inner_keys, above, ranks);
-            return;
-        }
-        let all = self.vertices.len();
-        if *known < all {
-            set_keys(&mut keys[first..], surface, centre, &self.vertices[first..]);
-            *known = all;
-        }
-        let keys = &keys[..all];
         if 0 < *bound && count_within(keys, *bound) == nearest.len() {
-            return take(nearest, self.vertices, keys, *bound);
+            take(nearest, self.vertices, keys, *bound);
+        } else {
+            let within = count_within(keys, beyond - 1);
+            let mut above = (beyond - 1, within);
+            if within < nearest.len() {
+                let farthest = keys.iter().copied().max();
+                above = (farthest.unwrap_or(FARTHEST), keys.len());
+            }
+            *bound = choose(nearest, self.vertices, keys, above, ranks);
         }
-        let farthest = keys.iter().copied().max().unwrap_or(FARTHEST);
-        *bound = choose(nearest, self.vertices, keys, (farthest, all), ranks);
+        *bound < beyond
     }
 }
 
@@ -358,8 +365,8 @@ const FARTHEST: i32 = i32::MAX;
 /// The upper half of the bits of a squared distance in f64. Keys have the order of the distances;
 /// distances that agree in six digits have the same key.
 #[inline(always)]
-fn key_of(squared: f64) -> i32 {
-    (squared.to_bits() >> 32) as i32
+pub(crate) fn key_of<T: Real>(squared: T) -> i32 {
+    (squared.to_f64().unwrap_or(f64::MAX).to_bits() >> 32) as i32
 }
 
 /// The least squared distance with a key.
@@ -374,7 +381,7 @@ fn set_keys<T: Real>(keys: &mut [i32], surface: Surface<'_, T>, centre: u32, ver
     let seen = surface.seen_from(centre);
     for (key, &vertex) in keys.iter_mut().zip(vertices) {
         let difference = seen.difference(vertex);
-        *key = key_of(dot(difference, difference).to_f64().unwrap_or(f64::MAX));
+        *key = key_of(dot(difference, difference));
     }
 }
 

@@ -273,7 +273,7 @@ impl<T: Real> Method<T> for Jet<T> {
         let offsets = mesh.ring_offsets().iter();
         JetMemory {
             room: self.room(),
-            surroundings: Surroundings::new(mesh, self.room()),
+            surroundings: Surroundings::rings(mesh, |_| self.room()),
             cotangent: VertexSums::default(),
             rows: Rows::new(),
             degrees: Vec::new(),

@@ -6,7 +6,7 @@ use crate::element::{Ragged, SlotKernel, Slots};
 use crate::fit::{NormalEquations, Spacing, spacing};
 use crate::lane::{Lane, Several, WIDTH};
 use crate::laplacian::{Curvature, RowSlots};
-use crate::neighbourhood::{Neighbourhood, Search, Surroundings};
+use crate::neighbourhood::{Neighbourhood, Search, Surroundings, key_of};
 use crate::real::{Real, finite_or_zero};
 use crate::surface::Surface;
 use crate::vec3::{Vec3, dot};
@@ -80,9 +80,9 @@ pub(super) struct Scratch<T> {
     /// The keys of the surroundings of each pending vertex, the same number of entries for each.
     keys: Vec<i32>,
     ranks: Vec<u64>,
-    /// Searches with regard to rows: the vertices found, and their distances, numbers and order.
+    /// Searches in rings: the vertices found, and their distances, numbers and order.
     near: Neighbourhood<T>,
-    ranked: Vec<(u32, u32, u32)>,
+    ranked: Vec<(i32, u32, u32)>,
     block: Block<T>,
 }
 
@@ -112,8 +112,8 @@ struct Pending<'a, T> {
     /// Whether neighbours have to be chosen by their normals, too, and whether these limit them.
     turns: bool,
     limited: bool,
-    /// Number of nearby vertices of which the distances are known.
-    known: usize,
+    /// Whether the distances of nearby vertices are known.
+    are_known: bool,
 }
 
 /// The vertices with pending fits, each in its own slot.
@@ -211,7 +211,7 @@ impl<T: Real> Fits<'_, T> {
             rows: None,
             turns: false,
             limited: false,
-            known: 0,
+            are_known: false,
         })
     }
 
@@ -364,18 +364,51 @@ impl<T: Real> Fits<'_, T> {
             let room = self.surroundings.room();
             let search = Search {
                 keys: &mut scratch.keys[place * room..][..room],
-                known: &mut pending.known,
+                are_known: &mut pending.are_known,
                 ranks: &mut scratch.ranks,
                 bound: pending.bound,
             };
             let nearby = self.surroundings.of(pending.vertex);
-            nearby.set_nearest(nearest, self.surface, vertex, search);
+            if !nearby.set_nearest(nearest, self.surface, vertex, search) {
+                self.search_farther(nearest, vertex, scratch);
+            }
             pending.turns = !nearest.iter().all(|&other| self.sees(vertex, other));
             if !pending.turns {
                 return true;
             }
         }
         self.choose_in_rows(pending, scratch)
+    }
+
+    /// Replaces the farthest of the nearest vertices by nearer ones beyond the surroundings. Not inlined, because there is
+    /// little to vectorise.
+    #[inline(never)]
+    fn search_farther(&self, nearest: &mut [u32], vertex: u32, scratch: &mut Scratch<T>) {
+        let Scratch { near, ranked, .. } = scratch;
+        let seen = self.surface.seen_from(vertex);
+        let key = |other| {
+            let difference = seen.difference(other);
+            key_of(dot(difference, difference))
+        };
+        ranked.clear();
+        ranked.extend(
+            nearest
+                .iter()
+                .zip(0..)
+                .map(|(&other, order)| (key(other), other, order)),
+        );
+        // Not the bound of the search before, which depends on earlier evaluations.
+        let farthest = ranked.iter().map(|&(key, ..)| key).max().unwrap_or(0);
+        let rings = self.surroundings.of(vertex as usize);
+        near.beyond(self.surface, vertex, rings, (nearest, farthest));
+        let found = near.found.iter().map(|&(_, other)| (key(other), other));
+        let found = found
+            .filter(|&(key, _)| key <= farthest)
+            .zip(ranked.len() as u32..);
+        ranked.extend(found.map(|((key, other), order)| (key, other, order)));
+        if ranked.len() > nearest.len() {
+            take_least(nearest, ranked);
+        }
     }
 
     /// Whether a neighbour's normal does not turn away.
@@ -400,11 +433,10 @@ impl<T: Real> Fits<'_, T> {
         );
         let seen = self.surface.seen_from(vertex);
         ranked.clear();
-        let mut left_out = u32::MAX;
+        let mut left_out = i32::MAX;
         for (order, &(_, other)) in near.found.iter().enumerate() {
             let squared = pending.spacing.squared(seen.difference(other));
-            // Distances that agree in six digits are equal.
-            let key = (squared.to_f64().unwrap_or(f64::MAX).to_bits() >> 32) as u32;
+            let key = key_of(squared);
             if self.sees(vertex, other) {
                 ranked.push((key, other, order as u32));
             } else {
@@ -412,14 +444,8 @@ impl<T: Real> Fits<'_, T> {
             }
         }
         let count = ranked.len().min(neighbours);
-        if count > 0 {
-            let (_, &mut (last, ..), _) = ranked.select_nth_unstable(count - 1);
-            pending.limited = left_out < last;
-        }
-        ranked.truncate(count);
-        ranked.sort_unstable_by_key(|&(_, _, order)| order);
-        for (column, &(_, other, _)) in pending.columns.iter_mut().zip(&*ranked) {
-            *column = other;
+        if let Some(farthest) = take_least(&mut pending.columns[..count], ranked) {
+            pending.limited = left_out < farthest;
         }
         if count < neighbours {
             pending.attempt.neighbours = count;
@@ -509,6 +535,18 @@ impl<T: Real> Fits<'_, T> {
         };
         self.jet.first_attempt(highest, pending.available)
     }
+}
+
+/// Sets `nearest` to the vertices of the least keys, in their order, and returns the largest of these keys.
+fn take_least(nearest: &mut [u32], ranked: &mut Vec<(i32, u32, u32)>) -> Option<i32> {
+    let last = nearest.len().checked_sub(1)?;
+    let (_, &mut (farthest, ..), _) = ranked.select_nth_unstable(last);
+    ranked.truncate(nearest.len());
+    ranked.sort_unstable_by_key(|&(_, _, order)| order);
+    for (nearest, &(_, other, _)) in zip(nearest, &*ranked) {
+        *nearest = other;
+    }
+    Some(farthest)
 }
 
 #[inline(always)]
