@@ -424,7 +424,7 @@ fn fits<T: Real>(
         let seen = surface.seen_from(vertex as u32);
         let ring = mesh.one_ring(vertex).iter().map(|&other| {
             let offset = seen.difference(other);
-            norm(sub(polynomial.beside(offset).offset, offset))
+            norm(sub(polynomial.offset_beside(offset), offset))
         });
         *misfit = ring.fold(T::zero(), T::max);
     });

@@ -87,8 +87,27 @@ impl<'a, T: Real> LocalPolynomial<'a, T> {
         [x, y]
     }
 
+    fn in_space(&self, [x, y, z]: Vec3<T>) -> Vec3<T> {
+        let [first, second, normal] = self.axes;
+        add(add(scale(x, first), scale(y, second)), scale(z, normal))
+    }
+
+    /// The offset from the vertex of the point with this image under the inversion.
+    fn offset(&self, image: Vec3<T>) -> Vec3<T> {
+        let Inversion(bend) = self.inversion;
+        let radius = self.over_radius.reciprocal_or_zero();
+        self.in_space(scale(radius, Inversion(-bend).image(image)))
+    }
+
     fn local(&self, offset: Vec3<T>) -> Vec3<T> {
         self.axes.map(|axis| self.over_radius * dot(offset, axis))
+    }
+
+    /// The offset of the point of [`Self::beside`] alone.
+    pub(crate) fn offset_beside(&self, offset: Vec3<T>) -> Vec3<T> {
+        let [x, y] = self.place(offset);
+        let (height, _) = graph_at(self.degree, self.coefficients, x, y);
+        self.offset([x, y, height])
     }
 
     /// The point of the surface that the inversion maps to the same place of the tangent plane as it maps this offset
@@ -117,19 +136,14 @@ impl<'a, T: Real> LocalPolynomial<'a, T> {
         let [along_x, along_y] = [[one, T::zero(), p], [T::zero(), one, q]].map(carried);
         let unit = |vector: Vec3<T>| scale(norm(vector).reciprocal_or_zero(), vector);
         let [direction, _] = graph.principal(units).directions;
-        let in_space = |[x, y, z]: Vec3<T>| {
-            let [first, second, normal] = self.axes;
-            add(add(scale(x, first), scale(y, second)), scale(z, normal))
-        };
-        let radius = self.over_radius.reciprocal_or_zero();
         JetPoint {
-            offset: in_space(scale(radius, back.image(image))),
-            normal: in_space(unit(cross(along_x, along_y))),
+            offset: self.offset(image),
+            normal: self.in_space(unit(cross(along_x, along_y))),
             curvatures: [
                 mean * self.over_radius,
                 gaussian * (self.over_radius * self.over_radius),
             ],
-            direction: in_space(unit(carried(direction))),
+            direction: self.in_space(unit(carried(direction))),
         }
     }
 }
