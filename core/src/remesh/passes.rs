@@ -316,15 +316,10 @@ impl<'a, T: Real> Remesher<'a, T> {
     /// Whether a collapse makes no bad triangle.
     fn keeps_shape(&self, half_edge: u32) -> bool {
         let [tail, head] = [self.edited.tail(half_edge), self.edited.head(half_edge)];
-        let changed = self
-            .edited
-            .around(tail)
-            .map(|side| self.edited.corners(side));
-        let changed = Vec::from_iter(changed.filter(|corners| !corners.contains(&head)));
+        let changed = || self.ring(tail).filter(|corners| !corners.contains(&head));
         let moved = |corner| if corner == tail { head } else { corner };
-        let after = Vec::from_iter(changed.iter().map(|corners| corners.map(moved)));
-        let after = self.shape(&after);
-        after.is_good() || after.is_as_good_as(self.shape(&changed))
+        let after = self.shape(changed().map(|corners| corners.map(moved)));
+        after.is_good() || after.is_as_good_as(self.shape(changed()))
     }
 
     /// Flips edges where that brings numbers of neighbours nearer to those of a regular mesh.
@@ -385,8 +380,8 @@ impl<'a, T: Real> Remesher<'a, T> {
 
     /// Flips the edge (a, b) with the apexes c and d, if that is legal and leaves good triangles.
     fn flip(&mut self, edge: u32, [a, b, c, d]: [u32; 4]) -> bool {
-        let after = self.shape(&[[d, c, a], [c, d, b]]);
-        let is_fit = after.is_good() || after.is_as_good_as(self.shape(&[[a, b, c], [b, a, d]]));
+        let after = self.shape([[d, c, a], [c, d, b]]);
+        let is_fit = after.is_good() || after.is_as_good_as(self.shape([[a, b, c], [b, a, d]]));
         // Refused where c and d are neighbours.
         is_fit && self.edited.flip(edge).is_ok()
     }
@@ -409,8 +404,7 @@ impl<'a, T: Real> Remesher<'a, T> {
     fn move_free(&mut self, vertex: u32) {
         let (mut sum, mut total) = ([T::zero(); 3], T::zero());
         let third = T::constant(1.0 / 3.0);
-        for half_edge in self.edited.around(vertex) {
-            let corners = self.edited.corners(half_edge);
+        for corners in self.ring(vertex) {
             let size: T = corners.map(|corner| self.size(corner)).into_iter().sum();
             let weight = norm(self.area_vector(corners)) * (size * size).reciprocal_or_zero();
             let middle = corners.map(|corner| self.at(corner));
@@ -464,10 +458,7 @@ impl<'a, T: Real> Remesher<'a, T> {
     }
 
     fn widen_angles_at(&mut self, vertex: u32) {
-        let ring = Vec::from_iter(self.edited.around(vertex));
-        let areas = ring
-            .iter()
-            .map(|&side| self.area_vector(self.edited.corners(side)));
+        let areas = self.ring(vertex).map(|corners| self.area_vector(corners));
         let axes = tangent_frame(normalise(areas.fold([T::zero(); 3], add)));
         let mut step = T::constant(0.2) * self.factor * self.size(vertex);
         for _ in 0..4 {
@@ -495,10 +486,15 @@ impl<'a, T: Real> Remesher<'a, T> {
         }
     }
 
+    /// The triangles at a vertex.
+    fn ring(&self, vertex: u32) -> impl Iterator<Item = [u32; 3]> {
+        let around = self.edited.around(vertex);
+        around.map(|half_edge| self.edited.corners(half_edge))
+    }
+
     /// The cosine of the smallest angle of the triangles at a vertex.
     fn largest_cosine(&self, vertex: u32) -> T {
-        let around = self.edited.around(vertex);
-        let cosines = around.map(|side| self.cosine(self.edited.corners(side)));
+        let cosines = self.ring(vertex).map(|corners| self.cosine(corners));
         cosines.fold(-T::one(), T::max)
     }
 
@@ -542,12 +538,12 @@ impl<'a, T: Real> Remesher<'a, T> {
     }
 
     /// The worst of these triangles.
-    fn shape(&self, triangles: &[[u32; 3]]) -> WorstTriangle<T> {
+    fn shape(&self, triangles: impl IntoIterator<Item = [u32; 3]>) -> WorstTriangle<T> {
         let mut worst = WorstTriangle {
             outward: T::one(),
             cosine: -T::one(),
         };
-        for &corners in triangles {
+        for corners in triangles {
             worst.outward = worst.outward.min(self.outward(corners));
             worst.cosine = worst.cosine.max(self.cosine(corners));
         }
@@ -558,16 +554,14 @@ impl<'a, T: Real> Remesher<'a, T> {
     fn try_place(&mut self, vertex: u32, place: MeshPoint<T>) -> bool {
         let index = vertex as usize;
         let before = (self.places[index], self.samples[index]);
-        let ring = self.edited.around(vertex);
-        let ring = Vec::from_iter(ring.map(|half_edge| self.edited.corners(half_edge)));
         self.set_place(vertex, place);
         let moved = (self.places[index], self.samples[index]);
-        let shape = self.shape(&ring);
+        let shape = self.shape(self.ring(vertex));
         if shape.is_good() {
             return true;
         }
         (self.places[index], self.samples[index]) = before;
-        let fits = shape.is_as_good_as(self.shape(&ring));
+        let fits = shape.is_as_good_as(self.shape(self.ring(vertex)));
         if fits {
             (self.places[index], self.samples[index]) = moved;
         }
