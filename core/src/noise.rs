@@ -145,12 +145,7 @@ impl<T: Real> Noise<T> {
     /// If coordinates have few decimals, or only the digits of f32, and their residuals do not
     /// contradict it, the noise is at least that of this rounding.
     pub fn of(execution: &impl Execution, surface: Surface<'_, T>) -> Self {
-        Self::around(execution, surface, CENTRES)
-    }
-
-    /// As [`Self::of`], around at most this many vertices instead of 128: for a quick judgement.
-    pub fn around(execution: &impl Execution, surface: Surface<'_, T>, centres: usize) -> Self {
-        let pools = pools(surface, centres);
+        let pools = pools(surface, CENTRES);
         let mut fitted: Vec<u32> = pools.iter().flatten().copied().collect();
         fitted.sort_unstable();
         fitted.dedup();

@@ -204,6 +204,11 @@ impl<T: Real> SmoothSurface<T> {
         &self.workspace.memory().disagreements()[..self.mesh.vertex_count()]
     }
 
+    /// The largest distance of the polynomial of each vertex from the vertices of its one-ring; infinite without a fit.
+    pub fn misfits(&self) -> &[T] {
+        &self.misfits[..self.mesh.vertex_count()]
+    }
+
     /// The point over a place of the mesh.
     ///
     /// The polynomial of corner i has a point s_i beside the point of the flat triangle, with the normal n_i. With the
