@@ -126,7 +126,6 @@ impl<'a, T: Real> SlotKernel<Scratch<T>, FitSlots<'a, T>> for Fits<'_, T> {
         let mut queue: Queue<'_, T> = [const { None }; PENDING];
         let room = self.surroundings.room();
         scratch.keys.resize(PENDING * room, 0);
-        // Whether rings beyond the first are needed depends on the positions.
         scratch.ranks.resize(2 * room + 1, 0);
         let searched = SEARCHED * room;
         scratch.near.reserve(self.surface.mesh(), searched);
