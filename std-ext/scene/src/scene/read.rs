@@ -210,7 +210,8 @@ impl Builder<'_> {
     ) -> InteractionScene {
         let alone = images.is_some_and(|images| !images.is_periodic());
         let names = interaction.texts("between");
-        if bodies.all == 1 && names.is_empty() && alone {
+        let alone_named = names.is_empty() || bodies.names.len() == 1;
+        if bodies.all == 1 && alone_named && alone {
             self.contradiction(
                 interaction.origin(),
                 "an interaction acts between two surfaces, and the scene has only one: add a \

@@ -9,6 +9,7 @@ mod hostile;
 mod lattice;
 mod meshes;
 mod noise;
+mod obstacles;
 mod order;
 mod overrides;
 mod private;

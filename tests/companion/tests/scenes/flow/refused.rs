@@ -1,6 +1,6 @@
 //! Refusal of impossible flows.
 
-use super::super::{generated, refused, valid};
+use super::super::{generated, refused, the_error, valid};
 use super::{capsule, with_flow};
 use helfrich_std::info::MeshInfo;
 
@@ -125,22 +125,23 @@ fn wrong_courses_say_what_is_needed() {
     valid(&shear("kind = \"table\", times = [0, 1], factors = [0, 1]"));
     refused(
         &shear("kind = \"oscillation\""),
-        [13, 42],
+        [13, 45],
         &["`driver.flow.course` lacks `period`: a number, above 0 is needed"],
     );
-    refused(
-        &shear("kind = \"table\", times = [0, 1], factors = [0, 2]"),
-        [13, 94],
-        &["from -1 to 1"],
-    );
-    refused(
-        &shear("kind = \"table\", times = [0, 1], factors = 1"),
-        [13, 90],
+    // These lines are too long to be shown whole.
+    let said = |table: &str, parts: &[&str]| {
+        let (_, message) = the_error(&shear(&format!("kind = \"table\", {table}")));
+        for part in parts {
+            assert!(message.contains(part), "`{part}` is not in: {message}");
+        }
+    };
+    said("times = [0, 1], factors = [0, 2]", &["from -1 to 1"]);
+    said(
+        "times = [0, 1], factors = 1",
         &["there are 1 factors for 2 times"],
     );
-    refused(
-        &shear("kind = \"table\", times = [0, 1, 1], factors = [0, 1, 0]"),
-        [13, 68],
+    said(
+        "times = [0, 1, 1], factors = [0, 1, 0]",
         &[
             "time 3 does not come after time 2",
             "for a jump give two that are close",
@@ -154,7 +155,7 @@ fn wrong_courses_say_what_is_needed() {
             ),
             ("strain = 4", "duration = 4"),
         ]),
-        [13, 29],
+        [13, 30],
         &["`course` belongs to the kind"],
     );
 }

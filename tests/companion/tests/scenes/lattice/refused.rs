@@ -52,7 +52,10 @@ fn what_needs_a_lattice_says_so() {
     refused(
         &(integral.clone() + obstacle),
         [15, 1],
-        &["\"boundary-integral\" has none", "\"lattice-boltzmann\""],
+        &[
+            "fluid would flow through an obstacle",
+            "\"lattice-boltzmann\" or \"relax\"",
+        ],
     );
     refused(
         &(integral.clone() + "[[output.volume]]\n"),
