@@ -1,12 +1,14 @@
 //! Vertices in rows: fits that their neighbours do not determine are known as such.
 
 use crate::adaptive::{QUANTITIES, estimate, exact, of, shape};
-use helfrich::{AdaptiveJet, Cause, Finding, Measured, Quality, Verdict};
+use helfrich::{
+    AdaptiveJet, Cause, Finding, Jet, Measured, Prepared, Quality, StrongForm, Verdict,
+};
 use helfrich_std::generate::{Family, generate};
 use helfrich_std::method::{BendingMethod, Evaluator};
 use helfrich_tests::isosurface::marching_cubes;
-use helfrich_tests::meshes::rows::{ExactMesh, in_rows};
-use helfrich_tests::meshes::{GENERIC, Mesh, rotation, turned};
+use helfrich_tests::meshes::rows::{ExactMesh, in_rows, ring};
+use helfrich_tests::meshes::{GENERIC, Mesh, dot, rotation, turned};
 
 fn measured(mesh: &ExactMesh) -> Vec<Measured<f64>> {
     of(
@@ -82,6 +84,23 @@ fn other_methods_report_rows() {
             let silent = (0..fields.mean.len()).filter(silent).count();
             assert_eq!(silent, 0, "{}, {method:?}", mesh.name);
         }
+    }
+}
+
+/// Where circles are close together and have few vertices each, the nearest neighbours are many rings away, and fits have
+/// their order with all of them.
+#[test]
+fn neighbours_are_found_across_close_circles() {
+    let ring = ring(1.0, 0.5, 320, 32, 0.5);
+    let connectivity = &ring.mesh.connectivity;
+    let mut method = Prepared::new(StrongForm::new(1.0, Jet::j8()), connectivity);
+    let mut density = vec![[0.0; 3]; ring.exact.len()];
+    method.force_density(ring.mesh.surface(), &mut density);
+    let largest = ring.exact.iter().map(|at| at.force_density(1.0));
+    let largest = largest.fold(0.0, |most: f64, f| most.max(f.abs()));
+    for (found, exact) in density.iter().zip(&ring.exact) {
+        let error = (dot(*found, exact.normal) - exact.force_density(1.0)).abs();
+        assert!(error < 2e-3 * largest, "{error} of {largest}");
     }
 }
 

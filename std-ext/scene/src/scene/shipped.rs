@@ -25,12 +25,14 @@ macro_rules! scenes {
 }
 
 /// All shipped scenes.
-pub const SHIPPED: [ShippedScene; 18] = scenes![
+pub const SHIPPED: [ShippedScene; 20] = scenes![
     "capsule-constriction"
     "capsule-pair"
     "capsule-shear"
     "capsule-shear-lattice"
     "drop-breakup"
+    "drop-pipette"
+    "drops-adhere"
     "red-blood-cell-relax"
     "red-blood-cell-shear"
     "red-blood-cell-stretched"
