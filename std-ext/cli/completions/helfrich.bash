@@ -46,6 +46,9 @@ _helfrich() {
             helfrich,smooth)
                 cmd="helfrich__subcmd__smooth"
                 ;;
+            helfrich,split)
+                cmd="helfrich__subcmd__split"
+                ;;
             helfrich,study)
                 cmd="helfrich__subcmd__study"
                 ;;
@@ -85,6 +88,9 @@ _helfrich() {
             helfrich__subcmd__help,smooth)
                 cmd="helfrich__subcmd__help__subcmd__smooth"
                 ;;
+            helfrich__subcmd__help,split)
+                cmd="helfrich__subcmd__help__subcmd__split"
+                ;;
             helfrich__subcmd__help,study)
                 cmd="helfrich__subcmd__help__subcmd__study"
                 ;;
@@ -101,7 +107,7 @@ _helfrich() {
 
     case "${cmd}" in
         helfrich)
-            opts="-h -V --help --version study recommend curvature info remesh repair smooth subdivide run sweep scenes explain help"
+            opts="-h -V --help --version study recommend curvature info remesh repair smooth split subdivide run sweep scenes explain help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 1 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -203,7 +209,7 @@ _helfrich() {
             return 0
             ;;
         helfrich__subcmd__help)
-            opts="study recommend curvature info remesh repair smooth subdivide run sweep scenes explain help"
+            opts="study recommend curvature info remesh repair smooth split subdivide run sweep scenes explain help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -343,6 +349,20 @@ _helfrich() {
             return 0
             ;;
         helfrich__subcmd__help__subcmd__smooth)
+            opts=""
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 3 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        helfrich__subcmd__help__subcmd__split)
             opts=""
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 3 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
@@ -634,6 +654,40 @@ _helfrich() {
                     return 0
                     ;;
                 --threads)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        helfrich__subcmd__split)
+            opts="-o -h --weld --least --format --out --help"
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                --weld)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --least)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --format)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --out)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                -o)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;

@@ -142,6 +142,18 @@ _arguments "${_arguments_options[@]}" : \
 ':mesh -- Mesh file\: .obj, .off, .stl, .ply, .vtp, .vtu, .vtk, .glb, .gltf, .msh, .gii and .3mf, also compressed as .gz:_files' \
 && ret=0
 ;;
+(split)
+_arguments "${_arguments_options[@]}" : \
+'--weld=[Merge vertices at exactly the same point, or at most a distance apart. Files from renderers often have separate vertices for each face]::DISTANCE:_default' \
+'--least=[Leave out components with fewer vertices, such as specks of a segmentation]:VERTICES:_default' \
+'--format=[Format of the files\: .obj, .off, .stl, .ply, .vtp and .glb. Numbers at vertices and triangles are kept in .vtp]:ENDING:_default' \
+'-o+[Folder for the files component-1, component-2 and so on, in the order of their first vertices]:OUT:_files' \
+'--out=[Folder for the files component-1, component-2 and so on, in the order of their first vertices]:OUT:_files' \
+'-h[Print help]' \
+'--help[Print help]' \
+':mesh -- Mesh file\: .obj, .off, .stl, .ply, .vtp, .vtu, .vtk, .glb, .gltf, .msh, .gii and .3mf, also compressed as .gz:_files' \
+&& ret=0
+;;
 (subdivide)
 _arguments "${_arguments_options[@]}" : \
 '--weld=[Merge vertices at exactly the same point, or at most a distance apart. Files from renderers often have separate vertices for each face]::DISTANCE:_default' \
@@ -236,6 +248,10 @@ _arguments "${_arguments_options[@]}" : \
 _arguments "${_arguments_options[@]}" : \
 && ret=0
 ;;
+(split)
+_arguments "${_arguments_options[@]}" : \
+&& ret=0
+;;
 (subdivide)
 _arguments "${_arguments_options[@]}" : \
 && ret=0
@@ -279,6 +295,7 @@ _helfrich_commands() {
 'remesh:Make a new mesh with even triangles of the smooth surface through the vertices of a mesh file' \
 'repair:Make a mesh of a file that others refuse, and say what was changed' \
 'smooth:Remove the noise of the positions of a mesh file, or smooth them by mean-curvature flow' \
+'split:Write each connected component of a mesh file to a file of its own' \
 'subdivide:Refine a mesh file by Loop'\''s rules\: four triangles for each triangle and level' \
 'run:Run a scene\: surfaces, the effects that act on each, and a driver that moves them' \
 'sweep:Run a scene with every combination of given values, and compare the results' \
@@ -308,6 +325,7 @@ _helfrich__subcmd__help_commands() {
 'remesh:Make a new mesh with even triangles of the smooth surface through the vertices of a mesh file' \
 'repair:Make a mesh of a file that others refuse, and say what was changed' \
 'smooth:Remove the noise of the positions of a mesh file, or smooth them by mean-curvature flow' \
+'split:Write each connected component of a mesh file to a file of its own' \
 'subdivide:Refine a mesh file by Loop'\''s rules\: four triangles for each triangle and level' \
 'run:Run a scene\: surfaces, the effects that act on each, and a driver that moves them' \
 'sweep:Run a scene with every combination of given values, and compare the results' \
@@ -367,6 +385,11 @@ _helfrich__subcmd__help__subcmd__smooth_commands() {
     local commands; commands=()
     _describe -t commands 'helfrich help smooth commands' commands "$@"
 }
+(( $+functions[_helfrich__subcmd__help__subcmd__split_commands] )) ||
+_helfrich__subcmd__help__subcmd__split_commands() {
+    local commands; commands=()
+    _describe -t commands 'helfrich help split commands' commands "$@"
+}
 (( $+functions[_helfrich__subcmd__help__subcmd__study_commands] )) ||
 _helfrich__subcmd__help__subcmd__study_commands() {
     local commands; commands=()
@@ -416,6 +439,11 @@ _helfrich__subcmd__scenes_commands() {
 _helfrich__subcmd__smooth_commands() {
     local commands; commands=()
     _describe -t commands 'helfrich smooth commands' commands "$@"
+}
+(( $+functions[_helfrich__subcmd__split_commands] )) ||
+_helfrich__subcmd__split_commands() {
+    local commands; commands=()
+    _describe -t commands 'helfrich split commands' commands "$@"
 }
 (( $+functions[_helfrich__subcmd__study_commands] )) ||
 _helfrich__subcmd__study_commands() {

@@ -10,6 +10,7 @@ mod recommend;
 mod remesh;
 mod repair;
 mod smooth;
+mod split;
 pub mod study;
 pub mod terminal;
 
@@ -36,6 +37,7 @@ use recommend::{RecommendArguments, recommend_method};
 use remesh::{RemeshArguments, remesh_file};
 use repair::{RepairArguments, repair_file};
 use smooth::{SmoothArguments, smooth_file};
+use split::{SplitArguments, split_file};
 use std::alloc::System;
 use std::fs;
 use std::num::NonZeroUsize;
@@ -97,6 +99,8 @@ enum Command {
     /// the scale that the measured noise asks for. Closed components keep their volumes. A mesh without noise keeps every
     /// bit.
     Smooth(SmoothArguments),
+    /// Write each connected component of a mesh file to a file of its own.
+    Split(SplitArguments),
     /// Refine a mesh file by Loop's rules: four triangles for each triangle and level.
     Subdivide(SubdivideArguments),
     /// Run a scene: surfaces, the effects that act on each, and a driver that moves them.
@@ -313,6 +317,7 @@ pub fn program_with(methods: &[OwnMethod]) -> ExitCode {
         Command::Remesh(arguments) => arguments.threads.run(|| remesh_file(&arguments)),
         Command::Repair(arguments) => repair_file(&arguments),
         Command::Smooth(arguments) => arguments.threads.run(|| smooth_file(&arguments)),
+        Command::Split(arguments) => split_file(&arguments),
         Command::Subdivide(arguments) => subdivide_file(&arguments),
         Command::Run(arguments) => arguments.scene.threads.run(|| run_scene(&arguments)),
         Command::Sweep(arguments) => arguments.scene.threads.run(|| sweep(&arguments)),

@@ -29,6 +29,7 @@ mod resume;
 mod run;
 mod scenes;
 mod smooth;
+mod split;
 mod streams;
 mod study;
 mod sweep;
