@@ -315,18 +315,17 @@ fn outputs_may_change_on_the_way() {
         &["--set", "driver.strain=1.5", "--resume"],
         &["has already reached", "longer `duration` or `strain`"],
     );
-    refused(
-        &scene,
-        &out,
-        &[
-            "--set",
-            "driver.strain=3",
-            "--set",
-            "driver.tolerance=1e-3",
-            "--resume",
-        ],
-        &["another scene"],
-    );
+    for other in [
+        "driver.tolerance=1e-3",
+        "driver.flow.course={kind=\"oscillation\", period=3}",
+    ] {
+        refused(
+            &scene,
+            &out,
+            &["--set", "driver.strain=3", "--set", other, "--resume"],
+            &["another scene"],
+        );
+    }
 }
 
 /// The last row of a run, by column.

@@ -41,6 +41,7 @@ pub(crate) fn fingerprint(
         &scene.interactions,
         &obstacles,
         driver,
+        &scene.course,
     );
     let mut text = serde_json::to_string(&parts).unwrap_or_default();
     for (body, surface) in simulation.bodies().iter().zip(&scene.surfaces) {
