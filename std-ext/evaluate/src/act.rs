@@ -21,6 +21,11 @@ pub(crate) trait Act<T: Real>: fmt::Debug + Send {
         true
     }
 
+    /// Whether forces follow from curvatures, so that there are none where these are unknown.
+    fn is_strong_form(&self) -> bool {
+        false
+    }
+
     /// Sets the results in `fields` from `force`, as set by [`Self::add_force`].
     fn collect(&mut self, _: Surface<'_, T>, _force: &[[T; 3]], _: &mut Fields<T>) {}
 }

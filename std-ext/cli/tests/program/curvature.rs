@@ -532,3 +532,26 @@ fn check_digits<T: Real + FromStr<Err: Debug>>(positions: &[[T; 3]]) {
         assert_eq!(lines.next(), None);
     }
 }
+
+/// Where neighbours determine no fit, methods in strong form have no force either; one with an energy has one.
+#[test]
+fn unknown_curvatures_leave_no_force() {
+    let corners = [
+        [1.0, 0.0, 0.0],
+        [-1.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [0.0, -1.0, 0.0],
+        [0.0, 0.0, 1.0],
+        [0.0, 0.0, -1.0],
+    ];
+    let faces = [[0, 2], [2, 1], [1, 3], [3, 0]].map(|[a, b]| [[a, b, 4], [b, a, 5]]);
+    let file = Fixture::new("octahedron.obj", obj(&corners, faces.as_flattened()));
+    for (method, is_known) in [("j6", false), ("farutin", false), ("gompper-kroll", true)] {
+        let output = run(&["curvature", file.path(), "--method", method]);
+        assert_eq!(output.code, Some(0), "{}", output.stderr);
+        for line in table::<f64>(&output.stdout) {
+            assert_eq!(line[7].is_some(), is_known, "{method}: H");
+            assert_eq!(line[10].is_some(), is_known, "{method}: f");
+        }
+    }
+}

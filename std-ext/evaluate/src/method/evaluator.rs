@@ -440,6 +440,9 @@ fn collect<T: Real>(
         match *finding {
             Finding::ZeroArea { vertex } | Finding::TooFewNeighbours { vertex } => {
                 fields.clear(vertex as usize);
+                if prepared.is_strong_form() {
+                    fields.clear_fourth_derivative(vertex as usize);
+                }
             }
             Finding::OutOfRange { vertex } => fields.clear_fourth_derivative(vertex as usize),
             _ => {}
@@ -551,6 +554,10 @@ where
         self.0.force_density(surface, force);
         self.0
             .with(|method, execution, workspace| method.energy_of(execution, workspace.memory()))
+    }
+
+    fn is_strong_form(&self) -> bool {
+        true
     }
 
     fn collect(&mut self, surface: Surface<'_, T>, force: &[[T; 3]], fields: &mut Fields<T>) {
