@@ -7,6 +7,8 @@ use crate::real::Real;
 use crate::surface::Surface;
 use crate::triangle::{DualArea, Triangle, Voronoi};
 use crate::vec3::{Vec3, add, dot};
+use alloc::vec;
+use alloc::vec::Vec;
 
 /// Height over longest edge below which a triangle is thin: needles below 1.8°, caps above 176.4°.
 const THIN: f64 = 1.0 / 32.0;
@@ -19,12 +21,12 @@ const SMALL: f64 = 1.0 / 32.0;
 const UNEVEN: f64 = 8.0;
 
 /// Sums over the triangles around a vertex.
+#[derive(Clone)]
 struct Fan<T> {
-    /// All of them.
     area: T,
-    /// Signed, see [`DualArea::Voronoi`].
-    voronoi: T,
     area_vector: Vec3<T>,
+    /// Whether a triangle is turned against the others.
+    is_folded: bool,
 }
 
 /// The triangles around a vertex; none around an isolated one.
@@ -56,20 +58,6 @@ impl<T: Real> Triangle<T> {
 }
 
 impl<T: Real> Fan<T> {
-    fn new(surface: Surface<'_, T>, vertex: usize) -> Self {
-        let mut fan = Self {
-            area: T::zero(),
-            voronoi: T::zero(),
-            area_vector: [T::zero(); 3],
-        };
-        for triangle in around(surface, vertex) {
-            fan.area += T::constant(0.5) * triangle.doubled_area;
-            fan.voronoi += triangle.dual_areas(Voronoi)[0];
-            fan.area_vector = add(fan.area_vector, triangle.area_vector);
-        }
-        fan
-    }
-
     /// Whether a random error of the positions causes an error of Δ_S H as large as `scale`.
     fn is_lost(&self, deviation: T, scale: T) -> bool {
         // An error σ of the positions becomes one of about 10 σ/A², whatever the method.
@@ -153,16 +141,42 @@ impl<T: Real> Surface<'_, T> {
         most > T::constant(UNEVEN * UNEVEN) * least
     }
 
+    /// The sums around every vertex.
+    fn fans(&self) -> Vec<Fan<T>> {
+        let mesh = self.mesh();
+        let none = Fan {
+            area: T::zero(),
+            area_vector: [T::zero(); 3],
+            is_folded: false,
+        };
+        let mut fans = vec![none; mesh.vertex_count()];
+        let vectors = || {
+            let corners = mesh.triangles().iter().enumerate();
+            corners.map(|(index, corners)| (corners.map(|v| v as usize), self.triangle(index)))
+        };
+        for (corners, triangle) in vectors() {
+            for vertex in corners {
+                let fan = &mut fans[vertex];
+                fan.area += T::constant(0.5) * triangle.doubled_area;
+                fan.area_vector = add(fan.area_vector, triangle.area_vector);
+            }
+        }
+        for (corners, triangle) in vectors() {
+            for vertex in corners {
+                let fan = &mut fans[vertex];
+                fan.is_folded |= dot(triangle.area_vector, fan.area_vector) < T::zero();
+            }
+        }
+        fans
+    }
+
     /// Reports vertices where the surface folds back, or where the rounding of stored positions is
     /// too large for a fourth derivative. Both affect every method.
     pub(crate) fn report_rough_vertices(&self, report: &mut dyn FnMut(Finding)) {
         let scale = self.fourth_derivative();
-        for vertex in 0..self.mesh().vertex_count() {
-            let fan = Fan::new(*self, vertex);
-            let against =
-                |triangle: Triangle<T>| dot(triangle.area_vector, fan.area_vector) < T::zero();
+        for (vertex, fan) in self.fans().iter().enumerate() {
             let place = vertex as u32;
-            if around(*self, vertex).any(against) {
+            if fan.is_folded {
                 report(Finding::Folded { vertex: place });
             }
             let over = (fan.area * T::constant(1.0 / 3.0)).reciprocal_or_zero();
@@ -185,8 +199,8 @@ impl<T: Real> Surface<'_, T> {
     /// derivative.
     pub(crate) fn report_noisy_vertices(&self, deviation: T, report: &mut dyn FnMut(Finding)) {
         let scale = self.fourth_derivative();
-        for vertex in 0..self.mesh().vertex_count() {
-            if Fan::new(*self, vertex).is_lost(deviation, scale) {
+        for (vertex, fan) in self.fans().iter().enumerate() {
+            if fan.is_lost(deviation, scale) {
                 let vertex = vertex as u32;
                 report(Finding::NoisyPosition { vertex });
             }
@@ -213,32 +227,39 @@ impl<T: Real> Surface<'_, T> {
         T::epsilon() * stored
     }
 
-    /// Reports an area of a vertex that a method cannot divide by with confidence.
-    pub(crate) fn report_area(
+    /// Reports areas that a method cannot divide by with confidence: `area(i)` is that of vertex i,
+    /// `None` if the method does not divide there.
+    pub(crate) fn report_areas(
         &self,
         kind: DualArea,
-        vertex: usize,
-        area: T,
+        area: impl Fn(usize) -> Option<T>,
         report: &mut dyn FnMut(Finding),
     ) {
-        let place = vertex as u32;
-        if area.abs() < T::min_positive_value() {
-            return report(Finding::ZeroArea { vertex: place });
-        }
-        match kind {
-            DualArea::Barycentric => {}
-            DualArea::Voronoi => {
-                let all = Fan::new(*self, vertex).area;
-                if area < T::zero() {
-                    report(Finding::NegativeArea { vertex: place });
-                } else if area < T::constant(SMALL) * all {
-                    report(Finding::SmallArea { vertex: place });
+        let mesh = self.mesh();
+        // The Voronoi area of each vertex, and that of its triangles.
+        let mut sums = vec![[T::zero(); 2]; mesh.vertex_count()];
+        if kind != DualArea::Barycentric {
+            for (index, corners) in mesh.triangles().iter().enumerate() {
+                let triangle = self.triangle(index);
+                let half = T::constant(0.5) * triangle.doubled_area;
+                for (&vertex, own) in corners.iter().zip(triangle.dual_areas(Voronoi)) {
+                    let [voronoi, all] = &mut sums[vertex as usize];
+                    *voronoi += own;
+                    *all += half;
                 }
             }
-            DualArea::Mixed => {
-                if Fan::new(*self, vertex).voronoi <= T::zero() {
-                    report(Finding::ClampedArea { vertex: place });
-                }
+        }
+        for (vertex, &[voronoi, all]) in sums.iter().enumerate() {
+            let Some(area) = area(vertex) else { continue };
+            let vertex = vertex as u32;
+            if area.abs() < T::min_positive_value() {
+                report(Finding::ZeroArea { vertex });
+            } else if kind == DualArea::Mixed && voronoi <= T::zero() {
+                report(Finding::ClampedArea { vertex });
+            } else if kind == DualArea::Voronoi && area < T::zero() {
+                report(Finding::NegativeArea { vertex });
+            } else if kind == DualArea::Voronoi && area < T::constant(SMALL) * all {
+                report(Finding::SmallArea { vertex });
             }
         }
     }

@@ -58,6 +58,8 @@ struct Question {
     jet: AdaptiveJet<f64>,
     /// Whether error bars are asked for.
     errors: bool,
+    /// Whether the force density is asked for.
+    force: bool,
 }
 
 impl Question {
@@ -92,12 +94,17 @@ fn flags_of(findings: Vec<Finding>, mesh: &TriangleMesh) -> Vec<u32> {
 
 /// The answer of a method, on the positions as they are.
 fn evaluated<T: Compiled>(
+    question: &Question,
     evaluator: &mut Evaluator<T>,
     surface: Surface<'_, T>,
     measured: Option<Measurement>,
-    modulus: f64,
 ) -> Answer<T> {
-    let (fields, findings) = evaluator.fields_and_findings(surface);
+    let modulus = question.material[0].at(0);
+    let (fields, findings) = if question.force || question.errors {
+        evaluator.fields_and_findings(surface)
+    } else {
+        evaluator.curvatures_and_findings(surface)
+    };
     let flags = flags_of(findings, surface.mesh());
     let columns = measured
         .as_ref()
@@ -152,7 +159,7 @@ fn answer(
     };
     Ok(Answer {
         inside_out: inside_out(surface),
-        ..evaluated(&mut evaluator, surface, measured, number)
+        ..evaluated(question, &mut evaluator, surface, measured)
     })
 }
 
@@ -176,7 +183,7 @@ fn single_answer(
         AnyMethod::from(method).evaluator(&options, number as f32, mesh, Parallel::new());
     Ok(Answer {
         inside_out: inside_out(exact),
-        ..evaluated(&mut evaluator, surface, measured, number)
+        ..evaluated(question, &mut evaluator, surface, measured)
     })
 }
 
@@ -233,25 +240,19 @@ impl<T: Number> Answer<T> {
             normal,
             mean,
             gaussian,
-            laplacian_of_mean,
             force_density,
+            ..
         } = &self.fields;
         let method = question.chosen.method;
-        let [has_mean, has_gaussian, has_laplacian] = method.description().defines;
+        let [has_mean, has_gaussian, _] = method.description().defines;
         let unknown = verdict_bit(Verdict::Unknown);
-        for (name, values, is_defined) in [
-            ("H", mean, has_mean),
-            ("K", gaussian, has_gaussian),
-            ("laplacian_of_H", laplacian_of_mean, has_laplacian),
-        ] {
+        for (name, values, is_defined) in [("H", mean, has_mean), ("K", gaussian, has_gaussian)] {
             if !is_defined {
                 arrays.set_item(name, py.None())?;
                 continue;
             }
-            if name != "laplacian_of_H" {
-                for (flags, value) in self.flags.iter_mut().zip(values) {
-                    *flags |= if value.is_none() { unknown } else { 0 };
-                }
+            for (flags, value) in self.flags.iter_mut().zip(values) {
+                *flags |= if value.is_none() { unknown } else { 0 };
             }
             let values = values.iter().map(|value| value.unwrap_or(T::zero()));
             arrays.set_item(name, list(py, converted::<T, U>(&Vec::from_iter(values))))?;
@@ -259,8 +260,10 @@ impl<T: Number> Answer<T> {
         let double = |value: T| value.to_f64().unwrap_or(0.0);
         let vector = |value: &[T; 3]| value.map(|component| U::from_double(double(component)));
         let zero = [T::zero(); 3];
-        let density = force_density.iter().map(|f| vector(&f.unwrap_or(zero)));
-        arrays.set_item("f", matrix(py, density.collect())?)?;
+        if question.force {
+            let density = force_density.iter().map(|f| vector(&f.unwrap_or(zero)));
+            arrays.set_item("f", matrix(py, density.collect())?)?;
+        }
         arrays.set_item("normal", matrix(py, normal.iter().map(vector).collect())?)?;
         arrays.set_item("area", list(py, converted::<T, U>(area)))?;
         let column = |name: &str| {
@@ -278,24 +281,23 @@ impl<T: Number> Answer<T> {
             )
         };
         if has_gaussian {
-            let principal =
-                mean.iter()
-                    .zip(gaussian)
-                    .map(|(mean, gaussian)| match (mean, gaussian) {
-                        (Some(mean), Some(gaussian)) => {
-                            let both = principal_curvatures(double(*mean), double(*gaussian));
-                            let [curvedness, index] = curvedness_and_shape_index(both);
-                            [both[0], both[1], curvedness, index]
-                        }
-                        _ => [0.0; 4],
-                    });
-            for (which, name) in ["k1", "k2", "curvedness", "shape_index"]
-                .into_iter()
-                .enumerate()
-            {
+            let shape = |(mean, gaussian): (&Option<T>, &Option<T>)| match (mean, gaussian) {
+                (Some(mean), Some(gaussian)) => {
+                    let both = principal_curvatures(double(*mean), double(*gaussian));
+                    let [curvedness, index] = curvedness_and_shape_index(both);
+                    [both[0], both[1], curvedness, index]
+                }
+                _ => [0.0; 4],
+            };
+            let shapes = match &self.measured {
+                Some(_) => Vec::new(),
+                None => Vec::from_iter(mean.iter().zip(gaussian).map(shape)),
+            };
+            let names = ["k1", "k2", "curvedness", "shape_index"];
+            for (which, name) in names.into_iter().enumerate() {
                 let values = match column(name) {
                     Some(known) => finite(known, 0.0),
-                    None => finite(&Vec::from_iter(principal.clone().map(|of| of[which])), 0.0),
+                    None => finite(&Vec::from_iter(shapes.iter().map(|of| of[which])), 0.0),
                 };
                 arrays.set_item(name, values)?;
             }
@@ -335,7 +337,7 @@ impl<T: Number> Answer<T> {
 
 /// Curvatures and force densities by name: `None` for quantities that the method does not define.
 #[pyfunction]
-#[pyo3(signature = (positions, faces, *, method, areas, bandwidth, modulus, spontaneous_curvature, scale, sigma, errors, threads))]
+#[pyo3(signature = (positions, faces, *, method, areas, bandwidth, modulus, spontaneous_curvature, scale, sigma, errors, force, threads))]
 #[expect(clippy::too_many_arguments, reason = "keywords of a Python function")]
 pub(crate) fn curvature<'py>(
     py: Python<'py>,
@@ -349,6 +351,7 @@ pub(crate) fn curvature<'py>(
     scale: Option<usize>,
     sigma: f64,
     errors: bool,
+    force: bool,
     threads: Option<usize>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let mut input = Input::new(positions, faces)?;
@@ -365,6 +368,7 @@ pub(crate) fn curvature<'py>(
             neighbours: scale,
         },
         errors,
+        force,
     };
     checked_material(question.chosen.method, &question.material)?;
     let is_plain =

@@ -299,11 +299,12 @@ impl<T: Real> Method<T> for GompperKroll<T> {
         surface.report_uneven_mesh(report);
         surface.report_valences(report);
         surface.report_rough_vertices(report);
-        for (vertex, &[.., area]) in memory.curvature.iter().enumerate() {
-            if surface.mesh().is_interior(vertex) {
-                surface.report_area(self.area, vertex, area, report);
-            }
-        }
+        let is_interior = |vertex: usize| surface.mesh().is_interior(vertex);
+        let area = |vertex: usize| {
+            let [.., area] = memory.curvature.get(vertex)?;
+            is_interior(vertex).then_some(*area)
+        };
+        surface.report_areas(self.area, area, report);
     }
 }
 

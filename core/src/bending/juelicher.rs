@@ -164,11 +164,12 @@ impl<T: Real> Method<T> for Juelicher<T> {
         surface.report_uneven_mesh(report);
         surface.report_valences(report);
         surface.report_rough_vertices(report);
-        for (vertex, &[_, area]) in memory.curvature.iter().enumerate() {
-            if surface.mesh().is_interior(vertex) {
-                surface.report_area(DualArea::Barycentric, vertex, area, report);
-            }
-        }
+        let is_interior = |vertex: usize| surface.mesh().is_interior(vertex);
+        let area = |vertex: usize| {
+            let [_, area] = memory.curvature.get(vertex)?;
+            is_interior(vertex).then_some(*area)
+        };
+        surface.report_areas(DualArea::Barycentric, area, report);
     }
 }
 

@@ -255,11 +255,13 @@ impl<T: Real> Method<T> for Cotangent {
         surface.report_uneven_mesh(report);
         surface.report_valences(report);
         surface.report_rough_vertices(report);
-        for (vertex, sums) in sums.0.iter().enumerate() {
-            if surface.mesh().vertex_kind(vertex) != VertexKind::Isolated {
-                surface.report_area(self.area, vertex, sums[7], report);
-            }
-        }
+        let mesh = surface.mesh();
+        let is_used = |vertex: usize| mesh.vertex_kind(vertex) != VertexKind::Isolated;
+        let area = |vertex: usize| {
+            let [.., area] = sums.0.get(vertex)?;
+            is_used(vertex).then_some(*area)
+        };
+        surface.report_areas(self.area, area, report);
     }
 }
 

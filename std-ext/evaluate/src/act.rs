@@ -26,6 +26,7 @@ pub(crate) trait Act<T: Real>: fmt::Debug + Send {
         false
     }
 
-    /// Sets the results in `fields` from `force`, as set by [`Self::add_force`].
-    fn collect(&mut self, _: Surface<'_, T>, _force: &[[T; 3]], _: &mut Fields<T>) {}
+    /// Sets the results in `fields` from `force`, as set by [`Self::add_force`]; without it normals and curvatures
+    /// only, which it measures.
+    fn collect(&mut self, _: Surface<'_, T>, _force: Option<&[[T; 3]]>, _: &mut Fields<T>) {}
 }

@@ -15,7 +15,7 @@ mod relative;
 
 pub use choice::Settings;
 pub(crate) use choice::Visitor;
-pub use evaluator::{Compiled, Evaluated, Evaluator};
+pub use evaluator::{Compiled, Evaluated, Evaluator, Wanted};
 pub use fields::Fields;
 pub use listed::{Described, ListVisitor, ListedCurvatures, ListedEnergy, ListedOperator, Of};
 pub use operator::{NoOperator, OperatorMatrix};

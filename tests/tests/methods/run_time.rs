@@ -7,7 +7,7 @@ use helfrich::{
 use helfrich_std::effect::{Effect, Lumping};
 use helfrich_std::execute::Parallel;
 use helfrich_std::generate::{AnyShape, Family, GeneratedMesh, generate};
-use helfrich_std::method::{BendingMethod, Evaluator, MethodOptions};
+use helfrich_std::method::{BendingMethod, Evaluator, Fields, MethodOptions};
 
 /// Irregular mesh with some obtuse triangles.
 fn irregular() -> GeneratedMesh {
@@ -191,13 +191,46 @@ fn an_energy_alone_is_that_beside_forces() {
     }
 }
 
+/// Curvatures alone are those that come with forces, to the bit, and so are their findings, in any order of the mesh.
+#[test]
+fn curvatures_need_no_force() {
+    let shape: AnyShape = "discocyte".parse().expect("a shape");
+    let large = generate(&shape, Family::Irregular, 20_500, 3).expect("a mesh");
+    let small = generate(&shape, Family::Irregular, 400, 3).expect("a mesh");
+    // A sliver, for findings.
+    let mut thin = small.positions.clone();
+    let [a, b, _] = small.mesh.triangles()[0].map(|vertex| vertex as usize);
+    thin[a] = std::array::from_fn(|axis| thin[b][axis] + 1e-3 * (thin[a][axis] - thin[b][axis]));
+    let of_large = [BendingMethod::GompperKroll, BendingMethod::Meyer];
+    let cases = [
+        (&small.mesh, &small.positions, &BendingMethod::NAMED[..]),
+        (&small.mesh, &thin, &BendingMethod::NAMED[..]),
+        (&large.mesh, &large.positions, &of_large[..]),
+    ];
+    for (mesh, positions, methods) in cases {
+        let surface = Surface::new(mesh, positions).expect("positions");
+        for &method in methods {
+            let (all, expected) = Evaluator::new(method, 1.0, mesh).fields_and_findings(surface);
+            let mut evaluator = Evaluator::new(method, 1.0, mesh);
+            let (found, findings) = evaluator.curvatures_and_findings(surface);
+            assert_eq!(findings, expected, "{method}");
+            let none = Fields {
+                laplacian_of_mean: vec![None; positions.len()],
+                force_density: vec![None; positions.len()],
+                ..all
+            };
+            assert!(found == none, "{method}");
+        }
+    }
+}
+
 /// A material at the vertices is that of the mesh of the user, also where that is evaluated in another
 /// order.
 #[test]
 fn evaluators_have_a_material() {
     let shape: AnyShape = "discocyte".parse().expect("a shape");
     let options = MethodOptions::default();
-    for vertices in [400, 10_242] {
+    for vertices in [400, 40_962] {
         let mesh = generate(&shape, Family::Regular, vertices, 3).expect("a mesh");
         let surface = Surface::new(&mesh.mesh, &mesh.positions).expect("positions");
         let of = |value: fn(&[f64; 3]) -> f64| {

@@ -138,6 +138,7 @@ def _answer(
     scale: Optional[int] = None,
     sigma: float = 0.0,
     errors: bool = False,
+    force: bool = False,
     threads: Optional[int] = None,
 ) -> dict:
     V, F = both(V, F)
@@ -152,6 +153,7 @@ def _answer(
         scale=None if scale is None else _checks.whole(scale, "scale", 28, 4096),
         sigma=_checks.length(sigma, "sigma"),
         errors=_checks.flag(errors, "errors"),
+        force=force,
         threads=_checks.threads(threads),
     )
 

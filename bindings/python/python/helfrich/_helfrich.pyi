@@ -71,6 +71,7 @@ def curvature(
     scale: Optional[int],
     sigma: float,
     errors: bool,
+    force: bool,
     threads: Optional[int],
 ) -> Dict[str, Any]: ...
 def stiffness(

@@ -129,7 +129,9 @@ def bending_force(
     if out is not None:
         raise ValueError("out is for nodal forces: leave it out with density=True")
     method = "auto" if method is None else method
-    found = _answer(V, F, method=method, kappa=kappa, H0=H0, areas=areas, bandwidth=bandwidth, threads=threads)
+    found = _answer(
+        V, F, method=method, kappa=kappa, H0=H0, areas=areas, bandwidth=bandwidth, force=True, threads=threads
+    )  # fmt: skip
     if not _has_force(method):
         raise ValueError(f"{method} measures curvatures only and has no force: choose a bending method")
     return found["f"]

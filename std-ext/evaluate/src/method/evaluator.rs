@@ -158,7 +158,16 @@ impl<T: Real> Evaluator<T> {
         if self.prepared.has_fields_of_force() {
             self.evaluate(surface);
         }
-        T::last_results(self, surface)
+        T::last_results(self, surface, Wanted::All)
+    }
+
+    /// [`Self::fields_and_findings`] without quantities of the force: Δ_S H and f are undefined everywhere. This
+    /// takes the time of the curvatures alone.
+    pub fn curvatures_and_findings(&mut self, surface: Surface<'_, T>) -> (Fields<T>, Vec<Finding>)
+    where
+        T: Evaluated,
+    {
+        T::last_results(self, surface, Wanted::Curvatures)
     }
 
     /// Collects [`Self::fields`] from the last evaluation, which must have been for this surface, without
@@ -167,14 +176,20 @@ impl<T: Real> Evaluator<T> {
     where
         T: Evaluated,
     {
-        T::last_results(self, surface).0
+        T::last_results(self, surface, Wanted::All).0
     }
 
-    fn collect(&mut self, surface: Surface<'_, T>) -> (Fields<T>, Vec<Finding>) {
+    fn collect(&mut self, surface: Surface<'_, T>, wanted: Wanted) -> (Fields<T>, Vec<Finding>) {
+        let has_force = matches!(wanted, Wanted::All);
         match &mut self.ordered {
-            None => collect(&mut *self.prepared, surface, &self.force),
+            None => collect(
+                &mut *self.prepared,
+                surface,
+                has_force.then_some(&self.force),
+            ),
             Some(ordered) => {
                 let (surface, force) = ordered.parts(surface);
+                let force = has_force.then_some(&*force);
                 let (fields, findings) = collect(&mut *self.prepared, surface, force);
                 let order = ordered.order();
                 let findings = findings.into_iter();
@@ -221,6 +236,15 @@ impl<T: Real> Evaluator<T> {
     }
 }
 
+/// The results that [`Evaluated::last_results`] collects.
+#[derive(Clone, Copy, Debug)]
+pub enum Wanted {
+    /// Curvatures, normals and areas, which are measured for this.
+    Curvatures,
+    /// These and quantities of the force, of the last evaluation.
+    All,
+}
+
 /// A number type in which methods are evaluated.
 pub trait Evaluated: Real {
     /// Equivalent of [`Evaluator::with_options`] for any number type, on one thread.
@@ -238,8 +262,9 @@ pub trait Evaluated: Real {
     fn last_results(
         evaluator: &mut Evaluator<Self>,
         surface: Surface<'_, Self>,
+        wanted: Wanted,
     ) -> (Fields<Self>, Vec<Finding>) {
-        evaluator.collect(surface)
+        evaluator.collect(surface, wanted)
     }
 
     /// [`Evaluator::quality`].
@@ -290,8 +315,9 @@ macro_rules! evaluated {
             fn last_results(
                 evaluator: &mut Evaluator<$number>,
                 surface: Surface<'_, $number>,
+                wanted: Wanted,
             ) -> (Fields<$number>, Vec<Finding>) {
-                evaluator.collect(surface)
+                evaluator.collect(surface, wanted)
             }
 
             fn quality(evaluator: &Evaluator<$number>, surface: Surface<'_, $number>) -> Quality {
@@ -352,11 +378,13 @@ where
     where
         M: Conservative<T> + fmt::Debug + Send + 'static,
     {
-        let prepared = Prepared::with_execution(method, self.mesh, self.execution);
         Box::new(WithEnergy {
-            prepared,
-            describe: |_, _, _| (),
-            has_density: false,
+            prepared: Prepared::with_execution(method, self.mesh, self.execution),
+            describe: |_, surface, fields| {
+                let mut cotangent = Prepared::new(Cotangent::new(DualArea::Mixed), surface.mesh());
+                fields.set_normals(cotangent.curvatures(surface));
+            },
+            density: None,
         })
     }
 
@@ -364,16 +392,14 @@ where
     where
         M: Conservative<T> + Curvatures<T> + fmt::Debug + Send + 'static,
     {
-        let prepared = Prepared::with_execution(method, self.mesh, self.execution);
-        let describe: DescribeFn<T, M, X> = if self.gaussian {
-            |prepared, surface, fields| fields.set_curvature(prepared.curvatures(surface))
-        } else {
-            |prepared, surface, fields| fields.set_mean(prepared.curvatures(surface))
-        };
         Box::new(WithEnergy {
-            prepared,
-            describe,
-            has_density: false,
+            prepared: Prepared::with_execution(method, self.mesh, self.execution),
+            describe: if self.gaussian {
+                |prepared, surface, fields| fields.set_curvature(prepared.curvatures(surface))
+            } else {
+                |prepared, surface, fields| fields.set_mean(prepared.curvatures(surface))
+            },
+            density: None,
         })
     }
 
@@ -381,17 +407,16 @@ where
     where
         M: Conservative<T> + Curvatures<T> + ForceDensity<T> + fmt::Debug + Send + 'static,
     {
-        let prepared = Prepared::with_execution(method, self.mesh, self.execution);
-        let describe: DescribeFn<T, M, X> = |prepared, surface, fields| {
-            fields.set_curvature(prepared.curvatures(surface));
-            let mut density = vec![[T::zero(); 3]; surface.mesh().vertex_count()];
-            prepared.force_density(surface, &mut density);
-            fields.set_surrounded_density(surface.mesh(), &density);
-        };
         Box::new(WithEnergy {
-            prepared,
-            describe,
-            has_density: true,
+            prepared: Prepared::with_execution(method, self.mesh, self.execution),
+            describe: |prepared, surface, fields| {
+                fields.set_curvature(prepared.curvatures(surface));
+            },
+            density: Some(|prepared, surface, fields| {
+                let mut density = vec![[T::zero(); 3]; surface.mesh().vertex_count()];
+                prepared.force_density(surface, &mut density);
+                fields.set_surrounded_density(surface.mesh(), &density);
+            }),
         })
     }
 
@@ -415,18 +440,19 @@ where
     }
 }
 
-/// Collects all results of a method on the surface of its last evaluation, with this force, and its findings.
+/// Collects the results of a method and its findings: with the force of its last evaluation on this surface all of
+/// them, without it those that [`Wanted::Curvatures`] names.
 fn collect<T: Real>(
     prepared: &mut dyn Act<T>,
     surface: Surface<'_, T>,
-    force: &[[T; 3]],
+    force: Option<&[[T; 3]]>,
 ) -> (Fields<T>, Vec<Finding>) {
     let vertices = surface.mesh().vertex_count();
-    let mut cotangent = Prepared::new(Cotangent::new(DualArea::Mixed), surface.mesh());
-    let curvature = cotangent.curvatures(surface);
+    let mut area = vec![T::zero(); vertices];
+    Cotangent::new(DualArea::Mixed).dual_areas(&Serial, surface, &mut area);
     let mut fields = Fields {
-        area: curvature.iter().map(|vertex| vertex.area).collect(),
-        normal: curvature.iter().map(|vertex| vertex.normal).collect(),
+        area,
+        normal: Vec::new(),
         mean: vec![None; vertices],
         gaussian: vec![None; vertices],
         laplacian_of_mean: vec![None; vertices],
@@ -451,8 +477,7 @@ fn collect<T: Real>(
     (fields, findings)
 }
 
-/// Function that sets the fields besides force and area. The normals are initially those of the cotangent
-/// operator.
+/// Function that sets fields of a surface.
 type DescribeFn<T, M, X> = fn(&mut Prepared<T, M, X>, Surface<'_, T>, &mut Fields<T>);
 
 #[derive(Debug)]
@@ -462,9 +487,10 @@ where
     M: Conservative<T>,
 {
     prepared: Prepared<T, M, X>,
+    /// Sets normals and curvatures.
     describe: DescribeFn<T, M, X>,
-    /// Whether `describe` sets the force density, too.
-    has_density: bool,
+    /// Sets a force density that does not follow from nodal forces.
+    density: Option<DescribeFn<T, M, X>>,
 }
 
 impl<T, M, X> Act<T> for WithEnergy<T, M, X>
@@ -478,14 +504,21 @@ where
     }
 
     fn has_fields_of_force(&self) -> bool {
-        !self.has_density
+        self.density.is_none()
     }
 
-    fn collect(&mut self, surface: Surface<'_, T>, force: &[[T; 3]], fields: &mut Fields<T>) {
-        if !self.has_density {
-            fields.set_density(force);
-        }
+    fn collect(
+        &mut self,
+        surface: Surface<'_, T>,
+        force: Option<&[[T; 3]]>,
+        fields: &mut Fields<T>,
+    ) {
         (self.describe)(&mut self.prepared, surface, fields);
+        match (self.density, force) {
+            (Some(density), Some(_)) => density(&mut self.prepared, surface, fields),
+            (None, Some(force)) => fields.set_density(force),
+            (_, None) => {}
+        }
     }
 
     fn energy(&mut self, surface: Surface<'_, T>) -> T {
@@ -522,7 +555,12 @@ where
         false
     }
 
-    fn collect(&mut self, surface: Surface<'_, T>, _force: &[[T; 3]], fields: &mut Fields<T>) {
+    fn collect(
+        &mut self,
+        surface: Surface<'_, T>,
+        _force: Option<&[[T; 3]]>,
+        fields: &mut Fields<T>,
+    ) {
         fields.set_curvature(self.prepared.curvatures(surface));
     }
 
@@ -560,8 +598,16 @@ where
         true
     }
 
-    fn collect(&mut self, surface: Surface<'_, T>, force: &[[T; 3]], fields: &mut Fields<T>) {
-        fields.set_strong_form(surface.mesh(), self.0.memory(), force);
+    fn collect(
+        &mut self,
+        surface: Surface<'_, T>,
+        force: Option<&[[T; 3]]>,
+        fields: &mut Fields<T>,
+    ) {
+        match force {
+            Some(force) => fields.set_strong_form(surface.mesh(), self.0.memory(), force),
+            None => fields.set_curvature(self.0.curvatures(surface)),
+        }
     }
 
     fn energy(&mut self, surface: Surface<'_, T>) -> T {

@@ -70,16 +70,22 @@ impl<T: Real> Fields<T> {
             .collect();
     }
 
+    pub(super) fn set_normals(&mut self, curvature: &[Curvature<T>]) {
+        self.normal = curvature.iter().map(|vertex| vertex.normal).collect();
+    }
+
+    /// Sets normals and H.
     pub(super) fn set_mean(&mut self, curvature: &[Curvature<T>]) {
+        self.set_normals(curvature);
         let interior = |vertex: usize| curvature[vertex].kind == VertexKind::Interior;
         let mean: Vec<T> = curvature.iter().map(|vertex| vertex.mean).collect();
         self.mean = where_defined(&mean, interior);
     }
 
+    /// Sets normals, H and K.
     pub(super) fn set_curvature(&mut self, curvature: &[Curvature<T>]) {
         let interior = |vertex: usize| curvature[vertex].kind == VertexKind::Interior;
         let gaussian: Vec<T> = curvature.iter().map(|vertex| vertex.gaussian).collect();
-        self.normal = curvature.iter().map(|vertex| vertex.normal).collect();
         self.set_mean(curvature);
         self.gaussian = where_defined(&gaussian, interior);
     }

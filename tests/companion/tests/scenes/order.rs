@@ -217,7 +217,7 @@ surfaces = false
 [[surface]]
 shape = "ellipsoid:1,1,0.8"
 family = "irregular"
-vertices = 10242
+vertices = 20500
 bending = { method = "B", modulus = 1 }
 volume.constraint = "exact"
 "#;
