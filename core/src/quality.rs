@@ -7,8 +7,6 @@ use crate::real::Real;
 use crate::surface::Surface;
 use crate::triangle::{DualArea, Triangle, Voronoi};
 use crate::vec3::{Vec3, add, dot};
-use alloc::vec;
-use alloc::vec::Vec;
 
 /// Height over longest edge below which a triangle is thin: needles below 1.8°, caps above 176.4°.
 const THIN: f64 = 1.0 / 32.0;
@@ -21,10 +19,8 @@ const SMALL: f64 = 1.0 / 32.0;
 const UNEVEN: f64 = 8.0;
 
 /// Sums over the triangles around a vertex.
-#[derive(Clone)]
 struct Fan<T> {
     area: T,
-    area_vector: Vec3<T>,
     /// Whether a triangle is turned against the others.
     is_folded: bool,
 }
@@ -58,6 +54,29 @@ impl<T: Real> Triangle<T> {
 }
 
 impl<T: Real> Fan<T> {
+    fn new(surface: Surface<'_, T>, vertex: usize) -> Self {
+        // Triangles are not computed again, except those of vertices with many.
+        let mut vectors = [[T::zero(); 3]; 10];
+        let mut area = T::zero();
+        let mut whole = [T::zero(); 3];
+        let mut count = 0;
+        for triangle in around(surface, vertex) {
+            if let Some(vector) = vectors.get_mut(count) {
+                *vector = triangle.area_vector;
+            }
+            count += 1;
+            area += T::constant(0.5) * triangle.doubled_area;
+            whole = add(whole, triangle.area_vector);
+        }
+        let is_against = |vector: &Vec3<T>| dot(*vector, whole) < T::zero();
+        let others = || around(surface, vertex).map(|triangle| triangle.area_vector);
+        let is_folded = match vectors.get(..count) {
+            Some(all) => all.iter().any(is_against),
+            None => others().any(|vector| is_against(&vector)),
+        };
+        Self { area, is_folded }
+    }
+
     /// Whether a random error of the positions causes an error of Δ_S H as large as `scale`.
     fn is_lost(&self, deviation: T, scale: T) -> bool {
         // An error σ of the positions becomes one of about 10 σ/A², whatever the method.
@@ -141,40 +160,12 @@ impl<T: Real> Surface<'_, T> {
         most > T::constant(UNEVEN * UNEVEN) * least
     }
 
-    /// The sums around every vertex.
-    fn fans(&self) -> Vec<Fan<T>> {
-        let mesh = self.mesh();
-        let none = Fan {
-            area: T::zero(),
-            area_vector: [T::zero(); 3],
-            is_folded: false,
-        };
-        let mut fans = vec![none; mesh.vertex_count()];
-        let vectors = || {
-            let corners = mesh.triangles().iter().enumerate();
-            corners.map(|(index, corners)| (corners.map(|v| v as usize), self.triangle(index)))
-        };
-        for (corners, triangle) in vectors() {
-            for vertex in corners {
-                let fan = &mut fans[vertex];
-                fan.area += T::constant(0.5) * triangle.doubled_area;
-                fan.area_vector = add(fan.area_vector, triangle.area_vector);
-            }
-        }
-        for (corners, triangle) in vectors() {
-            for vertex in corners {
-                let fan = &mut fans[vertex];
-                fan.is_folded |= dot(triangle.area_vector, fan.area_vector) < T::zero();
-            }
-        }
-        fans
-    }
-
     /// Reports vertices where the surface folds back, or where the rounding of stored positions is
     /// too large for a fourth derivative. Both affect every method.
     pub(crate) fn report_rough_vertices(&self, report: &mut dyn FnMut(Finding)) {
         let scale = self.fourth_derivative();
-        for (vertex, fan) in self.fans().iter().enumerate() {
+        for vertex in 0..self.mesh().vertex_count() {
+            let fan = Fan::new(*self, vertex);
             let place = vertex as u32;
             if fan.is_folded {
                 report(Finding::Folded { vertex: place });
@@ -199,8 +190,8 @@ impl<T: Real> Surface<'_, T> {
     /// derivative.
     pub(crate) fn report_noisy_vertices(&self, deviation: T, report: &mut dyn FnMut(Finding)) {
         let scale = self.fourth_derivative();
-        for (vertex, fan) in self.fans().iter().enumerate() {
-            if fan.is_lost(deviation, scale) {
+        for vertex in 0..self.mesh().vertex_count() {
+            if Fan::new(*self, vertex).is_lost(deviation, scale) {
                 let vertex = vertex as u32;
                 report(Finding::NoisyPosition { vertex });
             }
@@ -235,31 +226,34 @@ impl<T: Real> Surface<'_, T> {
         area: impl Fn(usize) -> Option<T>,
         report: &mut dyn FnMut(Finding),
     ) {
-        let mesh = self.mesh();
-        // The Voronoi area of each vertex, and that of its triangles.
-        let mut sums = vec![[T::zero(); 2]; mesh.vertex_count()];
-        if kind != DualArea::Barycentric {
-            for (index, corners) in mesh.triangles().iter().enumerate() {
-                let triangle = self.triangle(index);
-                let half = T::constant(0.5) * triangle.doubled_area;
-                for (&vertex, own) in corners.iter().zip(triangle.dual_areas(Voronoi)) {
-                    let [voronoi, all] = &mut sums[vertex as usize];
-                    *voronoi += own;
-                    *all += half;
-                }
-            }
-        }
-        for (vertex, &[voronoi, all]) in sums.iter().enumerate() {
+        let voronoi = |vertex: usize| {
+            let areas = around(*self, vertex).map(|triangle| triangle.dual_areas(Voronoi)[0]);
+            areas.fold(T::zero(), |sum, area| sum + area)
+        };
+        let is_obtuse = |triangle: Triangle<T>| triangle.dots.iter().any(|&dot| dot < T::zero());
+        for vertex in 0..self.mesh().vertex_count() {
             let Some(area) = area(vertex) else { continue };
-            let vertex = vertex as u32;
+            let place = vertex as u32;
             if area.abs() < T::min_positive_value() {
-                report(Finding::ZeroArea { vertex });
-            } else if kind == DualArea::Mixed && voronoi <= T::zero() {
-                report(Finding::ClampedArea { vertex });
-            } else if kind == DualArea::Voronoi && area < T::zero() {
-                report(Finding::NegativeArea { vertex });
-            } else if kind == DualArea::Voronoi && area < T::constant(SMALL) * all {
-                report(Finding::SmallArea { vertex });
+                report(Finding::ZeroArea { vertex: place });
+                continue;
+            }
+            match kind {
+                DualArea::Barycentric => {}
+                DualArea::Voronoi => {
+                    let all = || Fan::new(*self, vertex).area;
+                    if area < T::zero() {
+                        report(Finding::NegativeArea { vertex: place });
+                    } else if area < T::constant(SMALL) * all() {
+                        report(Finding::SmallArea { vertex: place });
+                    }
+                }
+                DualArea::Mixed => {
+                    // Only obtuse triangles have corners with negative areas.
+                    if around(*self, vertex).any(is_obtuse) && voronoi(vertex) <= T::zero() {
+                        report(Finding::ClampedArea { vertex: place });
+                    }
+                }
             }
         }
     }

@@ -17,7 +17,7 @@ use tempfile::TempDir;
 
 /// Two components, of which the smaller has the higher vertex numbers.
 fn two() -> Mesh {
-    let (large, small) = (icosphere(5).map(bent), icosphere(3).map(bent));
+    let (large, small) = (icosphere(5).map(bent), icosphere(5).map(bent));
     let count = large.positions.len() as u32;
     let beside = small
         .positions
