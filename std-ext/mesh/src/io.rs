@@ -14,6 +14,7 @@
 //! compressed, its numbers may take 64 MiB and 16 times its length, or 256 times if it is compressed; a file that is
 //! compressed as a whole may be so much longer when it is unpacked. A byte order mark before a text is skipped.
 
+mod beside;
 mod budget;
 mod builder;
 mod cells;

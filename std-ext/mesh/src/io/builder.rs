@@ -140,6 +140,14 @@ impl MeshBuilder {
         count
     }
 
+    /// Gives every corner the vertex that `name` returns for its own.
+    pub(super) fn rename(&mut self, name: impl Fn(u32) -> u32) {
+        let corners = self.triangles.as_flattened_mut();
+        corners
+            .iter_mut()
+            .for_each(|corner| *corner = name(*corner));
+    }
+
     /// Reverses the orientation of the triangles from this one on.
     pub(super) fn reverse_from(&mut self, triangle: usize) {
         for corners in &mut self.triangles[triangle..] {

@@ -1,8 +1,14 @@
 //! Cells of data sets as faces of a mesh: polygons, strips of triangles, cells of higher order by their corners.
 //!
-//! Points and lines are skipped. Solid cells are skipped where there are faces; a data set of solid cells alone is
-//! refused, because its surface would be a guess. Nodes of no face are left out where other cells have them.
+//! Points and lines are skipped. Solid cells are skipped where there are faces; of a data set of solid cells alone
+//! their outer surface is the mesh. Nodes of no face are left out where other cells have them.
 
+mod solid;
+
+pub(super) use solid::Solid;
+use solid::Solids;
+
+use super::weld::Weld;
 use super::{MeshBuilder, ParseError, Position, Problem};
 
 /// The meaning of the nodes of a cell.
@@ -22,8 +28,8 @@ pub(super) enum Cell {
     Pixel,
     /// Points or a line.
     Line,
-    /// Solid cells, by their name in the plural.
-    Solid(&'static str),
+    /// A solid.
+    Solid(Solid),
 }
 
 /// A list of cells, as VTK stores them.
@@ -36,6 +42,8 @@ pub(super) struct CellList<'a> {
     /// The first vertex of the nodes, and their number of vertices.
     pub(super) before: usize,
     pub(super) vertices: usize,
+    /// Whether each cell is left out, by its index in this list.
+    pub(super) is_left_out: &'a dyn Fn(usize) -> bool,
 }
 
 /// The kinds of cells of a list.
@@ -60,8 +68,11 @@ pub(super) struct CellFaces {
     pub(super) builder: MeshBuilder,
     /// The number of triangles of each cell.
     pub(super) triangles: Vec<u32>,
+    solids: Solids,
     /// The first solid cell.
-    solid: Option<(&'static str, Position)>,
+    first_solid: Option<Position>,
+    /// The first solid cell whose faces are not known.
+    unknown: Option<Position>,
 }
 
 impl CellFaces {
@@ -69,7 +80,9 @@ impl CellFaces {
         Self {
             builder: MeshBuilder::new(first),
             triangles: Vec::new(),
-            solid: None,
+            solids: Solids::default(),
+            first_solid: None,
+            unknown: None,
         }
     }
 
@@ -109,9 +122,17 @@ impl CellFaces {
                 }
             }
             (Cell::Fan, []) | (Cell::Line, _) => {}
-            (Cell::Solid(name), _) => {
+            (Cell::Solid(solid), _) => {
                 builder.leaves_out_unused = true;
-                self.solid.get_or_insert((name, position));
+                self.first_solid.get_or_insert(position);
+                match nodes.get(..solid.corners()) {
+                    Some(corners) if solid != Solid::Polyhedron => {
+                        self.solids.add(solid, self.triangles.len(), corners);
+                    }
+                    _ => {
+                        self.unknown.get_or_insert(position);
+                    }
+                }
             }
         }
         let added = builder.triangle_count() - before;
@@ -163,22 +184,54 @@ impl CellFaces {
                     problem.at(position(CellPart::Node(start + place)), Some(element))
                 })?);
             }
-            self.add(kind, &nodes, here);
+            match (list.is_left_out)(index) {
+                true => self.triangles.push(0),
+                false => self.add(kind, &nodes, here),
+            }
             start = end;
         }
         Ok(())
     }
 
+    /// Makes one vertex of all those at the same point; the others are left out.
+    pub(super) fn merge(&mut self) {
+        let (mut weld, mut distinct) = (Weld::default(), Vec::new());
+        let mut firsts: Vec<u32> = Vec::new();
+        let points = self.builder.positions.iter().enumerate();
+        let merged = points.map(|(vertex, &point)| {
+            let known = weld.vertex(point, &mut distinct) as usize;
+            if known == firsts.len() {
+                firsts.push(vertex as u32);
+            }
+            firsts[known]
+        });
+        let merged = Vec::from_iter(merged);
+        let first = |vertex: u32| merged[vertex as usize];
+        self.builder.rename(first);
+        self.solids.rename(first);
+        self.builder.leaves_out_unused = true;
+    }
+
     /// The faces, and the number of triangles of each cell.
-    pub(super) fn faces(self) -> Result<(MeshBuilder, Vec<u32>), ParseError> {
-        if let Some((name, position)) = self.solid
-            && self.builder.triangle_count() == 0
-        {
+    pub(super) fn faces(mut self) -> Result<(MeshBuilder, Vec<u32>), ParseError> {
+        let Some(position) = self
+            .first_solid
+            .filter(|_| self.builder.triangle_count() == 0)
+        else {
+            return Ok((self.builder, self.triangles));
+        };
+        if let Some(position) = self.unknown {
             let problem = Problem::Expected {
                 expected: "faces: triangles, quadrilaterals, polygons or strips",
-                found: format!("{name} only: extract their surface first"),
+                found: "polyhedra, or cells with too few nodes: extract their surface first"
+                    .to_owned(),
             };
             return Err(problem.at(position, None));
+        }
+        for (cell, corners) in self.solids.outer_faces(&self.builder.positions) {
+            let before = self.builder.triangle_count();
+            self.builder.add_face(&corners, position);
+            self.triangles[cell] += (self.builder.triangle_count() - before) as u32;
         }
         Ok((self.builder, self.triangles))
     }
@@ -202,11 +255,12 @@ pub(super) fn of_vtk(number: i64) -> Option<Cell> {
         22 | 34 | 52 | 69 | 76 => Cell::Corners(3),
         23 | 28 | 30 | 53 | 70 | 77 => Cell::Corners(4),
         36 => Cell::HalfCorners,
-        10 | 24 | 54 | 71 | 78 => Cell::Solid("tetrahedra"),
-        11 | 12 | 25 | 29 | 33 | 55 | 72 | 79 => Cell::Solid("hexahedra"),
-        13 | 26 | 31 | 32 | 56 | 73 | 80 => Cell::Solid("wedges"),
-        14 | 27 | 37 | 57 | 74 | 81 => Cell::Solid("pyramids"),
-        15 | 16 | 41 | 42 => Cell::Solid("polyhedra"),
+        10 | 24 | 54 | 71 | 78 => Cell::Solid(Solid::Tetrahedron),
+        11 => Cell::Solid(Solid::Voxel),
+        12 | 25 | 29 | 33 | 55 | 72 | 79 => Cell::Solid(Solid::Hexahedron),
+        13 | 26 | 31 | 32 | 56 | 73 | 80 => Cell::Solid(Solid::Wedge),
+        14 | 27 | 37 | 57 | 74 | 81 => Cell::Solid(Solid::Pyramid),
+        15 | 16 | 41 | 42 => Cell::Solid(Solid::Polyhedron),
         _ => return None,
     })
 }

@@ -19,19 +19,23 @@ pub enum Format {
     /// Polygon File Format (Stanford), ASCII or binary, little or big endian.
     Ply,
     /// Polygons and strips of VTK's PolyData in XML: as text, in base64 or appended, raw or compressed by
-    /// zlib, LZ4 or LZMA, with pieces one after another. Lines and single vertices are skipped.
+    /// zlib, LZ4 or LZMA, with pieces one after another. Lines and single vertices are skipped. Pieces may be files
+    /// beside it: those of a `.pvtp` are joined where they have the same points, and cells that are copies of those of
+    /// other pieces are skipped; the blocks of a `.vtm` stay apart.
     Vtp,
     /// VTK's UnstructuredGrid in XML, stored as [`Format::Vtp`]: its triangles, quadrilaterals, polygons and strips,
-    /// and those of higher order by their corners. Lines and points are skipped, and solid cells beside faces.
+    /// and those of higher order by their corners; of solid cells without such faces their outer surface. Lines and
+    /// points are skipped, and solid cells beside faces.
     Vtu,
     /// VTK's legacy files, ASCII or binary: the faces of PolyData and UnstructuredGrid, as in the XML formats, and
-    /// StructuredGrid of one layer.
+    /// StructuredGrid: its one layer, or the outer surface of many.
     Vtk,
     /// glTF 2.0, text or binary: the triangles of all nodes of the scene. Buffers may be within the file, or files in
     /// the same folder. Coordinates have 32 bits. Only `.glb` is written.
     Gltf,
     /// Meshes of Gmsh, versions 2 and 4, ASCII or binary: triangles and quadrilaterals, and those of higher order by
-    /// their corners. Lines and points are skipped, and solid cells beside faces.
+    /// their corners; of solid cells alone their outer surface. Lines and points are skipped, and solid cells beside
+    /// faces.
     Msh,
     /// GIFTI surfaces of brains, as text or in base64, compressed or not, in the coordinates of the file.
     Gifti,
@@ -43,13 +47,16 @@ pub enum Format {
 const START: usize = 1000;
 
 /// Endings of names with their formats, and whether files with this ending are written.
-const ENDINGS: [(&str, Format, bool); 12] = [
+const ENDINGS: [(&str, Format, bool); 15] = [
     ("obj", Format::Obj, true),
     ("off", Format::Off, true),
     ("stl", Format::Stl, true),
     ("ply", Format::Ply, true),
     ("vtp", Format::Vtp, true),
     ("vtu", Format::Vtu, false),
+    ("pvtp", Format::Vtp, false),
+    ("pvtu", Format::Vtu, false),
+    ("vtm", Format::Vtp, false),
     ("vtk", Format::Vtk, false),
     ("glb", Format::Gltf, true),
     ("gltf", Format::Gltf, false),

@@ -6,7 +6,7 @@
 
 mod data;
 
-use super::cells::{Cell, CellFaces, CellList, CellPart, Kinds, at_triangles};
+use super::cells::{Cell, CellFaces, CellList, CellPart, Kinds, Solid, at_triangles};
 use super::number::Number;
 use super::tokens::Tokens;
 use super::{Column, ColumnPlace, Columns, ParseError, Parsed, Position, Problem, Reading, finite};
@@ -254,6 +254,7 @@ fn add_cells(content: &Content, cells: &mut CellFaces) -> Result<(), ParseError>
             },
             before: 0,
             vertices,
+            is_left_out: &|_| false,
         };
         cells.add_list(&list, &|part| match (part, types) {
             (CellPart::Type(_), Some((at, _))) => *at,
@@ -284,7 +285,21 @@ fn add_cells(content: &Content, cells: &mut CellFaces) -> Result<(), ParseError>
                 }
             }
         }
-        [_, _, _] => cells.add(Cell::Solid("hexahedra"), &[], at),
+        [columns, rows, layers] => {
+            let vertex = |x, y, z| ((z * rows + y) * columns + x) as u32;
+            for z in 0..layers - 1 {
+                for y in 0..rows - 1 {
+                    for x in 0..columns - 1 {
+                        let corner = |at: usize| {
+                            let [right, back, up] = [0, 1, 2].map(|axis| at >> axis & 1);
+                            vertex(x + right, y + back, z + up)
+                        };
+                        let corners = [0, 1, 2, 3, 4, 5, 6, 7].map(corner);
+                        cells.add(Cell::Solid(Solid::Voxel), &corners, at);
+                    }
+                }
+            }
+        }
         _ => {}
     }
     Ok(())

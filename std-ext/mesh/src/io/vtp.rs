@@ -6,6 +6,7 @@
 
 mod array;
 mod compressor;
+mod parts;
 mod read;
 
 pub(super) use read::parse;

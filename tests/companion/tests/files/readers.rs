@@ -6,6 +6,7 @@ mod off;
 mod others;
 mod ply;
 mod solid;
+mod solid_cells;
 mod stl;
 mod vtp;
 

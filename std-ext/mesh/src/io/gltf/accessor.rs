@@ -5,8 +5,9 @@ use std::borrow::Cow;
 use base64::Engine;
 use base64::engine::general_purpose::{STANDARD, STANDARD_NO_PAD};
 
+use super::super::beside::{NotBeside, beside, shown};
 use super::super::number::Number;
-use super::super::{Budget, ParseError, Position, Problem, Reading, read_whole};
+use super::super::{Budget, ParseError, Position, Problem, Reading};
 use super::document::{Document, StoredBytes, View};
 use super::wrong;
 
@@ -52,7 +53,7 @@ impl<'a> Buffers<'a> {
                 (Some(uri), _) => match uri.strip_prefix("data:") {
                     Some(data) => (embedded(data)?.into(), 0),
                     None => {
-                        let bytes = beside(uri, reading)?;
+                        let bytes = named_buffer(uri, reading)?;
                         length = length.saturating_add(bytes.len());
                         (bytes.into(), 0)
                     }
@@ -202,28 +203,23 @@ fn embedded(data: &str) -> Result<Vec<u8>, ParseError> {
     decoded.ok_or_else(|| wrong("a buffer in base64", "what is none".to_owned()))
 }
 
-/// The bytes of a file in the folder of the mesh file. A name that leads elsewhere is refused.
-fn beside(uri: &str, reading: Reading<'_>) -> Result<Vec<u8>, ParseError> {
-    let shown = String::from_iter(uri.chars().take(60))
-        .escape_debug()
-        .to_string();
-    let name = unescaped(uri).filter(|name| {
-        !name.is_empty() && !name.starts_with('.') && !name.contains(['/', '\\', ':', '\0'])
-    });
-    let name = name.ok_or_else(|| {
-        let found = format!("`{shown}`: save it as .glb");
-        wrong("a buffer within the file, or a file name beside it", found)
-    })?;
-    let Some(folder) = reading.folder else {
-        let found = format!("`{shown}`: save it as .glb");
-        return Err(wrong(
+/// The bytes of a buffer in a file beside the mesh file.
+fn named_buffer(uri: &str, reading: Reading<'_>) -> Result<Vec<u8>, ParseError> {
+    let as_binary = || format!("{}: save it as .glb", shown(uri));
+    let name = unescaped(uri).unwrap_or_default();
+    beside(&name, reading).map_err(|reason| match reason {
+        NotBeside::Elsewhere => wrong(
+            "a buffer within the file, or a file name beside it",
+            as_binary(),
+        ),
+        NotBeside::InMemory => wrong(
             "buffers within the file, because it is read from memory",
-            found,
-        ));
-    };
-    read_whole(&folder.join(&name), None).map_err(|error| {
-        let found = format!("`{shown}`: {error}");
-        wrong("the file of a buffer beside the mesh file", found)
+            as_binary(),
+        ),
+        NotBeside::Unreadable(error) => wrong(
+            "the file of a buffer beside the mesh file",
+            format!("{}: {error}", shown(uri)),
+        ),
     })
 }
 

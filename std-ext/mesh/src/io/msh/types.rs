@@ -2,14 +2,14 @@
 //!
 //! Source: Gmsh reference manual, "MSH file format", element types.
 
-use super::super::cells::Cell;
+use super::super::cells::{Cell, Solid};
 
 /// The cell of a type of Gmsh, and its number of nodes.
 pub(super) fn of_gmsh(number: i64) -> Option<(Cell, usize)> {
-    let tetrahedra = Cell::Solid("tetrahedra");
-    let hexahedra = Cell::Solid("hexahedra");
-    let wedges = Cell::Solid("prisms");
-    let pyramids = Cell::Solid("pyramids");
+    let tetrahedra = Cell::Solid(Solid::Tetrahedron);
+    let hexahedra = Cell::Solid(Solid::Hexahedron);
+    let wedges = Cell::Solid(Solid::Wedge);
+    let pyramids = Cell::Solid(Solid::Pyramid);
     Some(match number {
         15 => (Cell::Line, 1),
         1 => (Cell::Line, 2),

@@ -4,9 +4,16 @@ use super::super::cells::{Cell, CellFaces, CellList, CellPart, Kinds, at_triangl
 use super::super::xml::{Tag, Tags, line_of};
 use super::super::{
     Budget, Column, ColumnPlace, Columns, ParseError, Parsed, Problem, Reading, Unknown, finite,
+    without_mark,
 };
 use super::array::{Array, Storage};
 use super::compressor::Compressor;
+use super::parts::{self, Parts};
+
+/// The array that marks cells, and its marks of those that are not a part of the piece: copies of cells of other
+/// pieces, refined and hidden ones. Source: VTK's `vtkDataSetAttributes.h`.
+const GHOSTS: &str = "vtkGhostType";
+const NOT_OWN: i64 = 1 | 8 | 32;
 
 /// A piece of the surface.
 #[derive(Default)]
@@ -20,6 +27,8 @@ struct Piece<'a> {
     sections: [Section<'a>; 2],
     /// Arrays of one component at the points and cells, if columns are read.
     columns: Vec<(ColumnPlace, String, Array<'a>)>,
+    /// Marks of cells that other pieces have, too.
+    ghosts: Option<Array<'a>>,
 }
 
 /// The cells of a piece.
@@ -37,39 +46,67 @@ struct Outline<'a> {
 }
 
 pub(in crate::io) fn parse(bytes: &[u8], reading: Reading<'_>) -> Result<Parsed, ParseError> {
-    let Outline { storage, pieces } = outline(bytes, reading)?;
+    let Some(Parts { names, are_of_one }) = parts::parts(bytes)? else {
+        return assembled(&[outline(bytes, reading)?], reading.unknown, false);
+    };
+    let files = names.iter().map(|name| parts::part(name, reading));
+    let files = files.collect::<Result<Vec<_>, _>>()?;
+    let outlines = names.iter().zip(&files).map(|(name, bytes)| {
+        let own = Reading {
+            length: bytes.len(),
+            ..reading
+        };
+        outline(without_mark(bytes), own).map_err(|error| parts::within(name, &error))
+    });
+    let outlines = outlines.collect::<Result<Vec<_>, _>>()?;
+    assembled(&outlines, reading.unknown, are_of_one)
+}
+
+/// The faces and columns of the pieces of all files. If they are of one surface, points at the same place become one.
+fn assembled(
+    files: &[Outline<'_>],
+    unknown: Unknown,
+    are_of_one: bool,
+) -> Result<Parsed, ParseError> {
     let mut cells = CellFaces::new(0);
     let mut starts = Vec::new();
-    for piece in &pieces {
+    let pieces = files.iter().flat_map(|file| {
+        let storage = &file.storage;
+        file.pieces.iter().map(move |piece| (piece, storage))
+    });
+    for (piece, storage) in pieces.clone() {
         starts.push(cells.triangles.len());
-        piece.add_to(&mut cells, &storage, reading.unknown)?;
+        piece.add_to(&mut cells, storage, unknown)?;
+    }
+    if are_of_one {
+        cells.merge();
     }
     let (builder, triangles) = cells.faces()?;
     starts.push(triangles.len());
     let own = starts.windows(2).map(|pair| &triangles[pair[0]..pair[1]]);
-    Ok((builder, joined(pieces.iter().zip(own), &storage)?))
+    Ok((builder, joined(pieces.zip(own))?))
 }
 
 /// Columns that every piece with points has, concatenated in the order of pieces.
 /// Each piece comes with the number of triangles of each of its cells.
 fn joined<'p>(
-    pieces: impl Iterator<Item = (&'p Piece<'p>, &'p [u32])>,
-    storage: &Storage<'_>,
+    pieces: impl Iterator<Item = ((&'p Piece<'p>, &'p Storage<'p>), &'p [u32])>,
 ) -> Result<Vec<Column>, ParseError> {
-    let pieces = Vec::from_iter(pieces.filter(|(piece, _)| piece.vertices > 0));
-    let names = pieces.first().map_or(&[][..], |(piece, _)| &piece.columns);
+    let pieces = Vec::from_iter(pieces.filter(|((piece, _), _)| piece.vertices > 0));
+    let first = pieces.first();
+    let names = first.map_or(&[][..], |((piece, _), _)| &piece.columns);
     let mut columns = Vec::new();
     for (place, name, _) in names {
-        let arrays = pieces.iter().map(|&(piece, triangles)| {
+        let arrays = pieces.iter().map(|&((piece, storage), triangles)| {
             let mut own = piece.columns.iter();
             let found = own.find(|(of, own, _)| (of, own) == (place, name));
-            found.map(|(_, _, array)| (piece, triangles, array))
+            found.map(|(_, _, array)| (piece, storage, triangles, array))
         });
         let Some(arrays) = arrays.collect::<Option<Vec<_>>>() else {
             continue;
         };
         let mut values = Vec::new();
-        for (piece, triangles, array) in arrays {
+        for (piece, storage, triangles, array) in arrays {
             values.extend(piece.numbers(*place, array, triangles, storage)?);
         }
         columns.push(Column {
@@ -117,6 +154,10 @@ fn outline<'a>(bytes: &'a [u8], reading: Reading<'_>) -> Result<Outline<'a>, Par
                     b"CellData" => Some(ColumnPlace::Triangles),
                     _ => None,
                 };
+                if let (b"CellData", Some(GHOSTS)) = (section, name) {
+                    piece.ghosts = Some(Array::new(bytes, &tag)?);
+                    continue;
+                }
                 if let (Some(of), Some(name), Columns::Read) = (of, name, reading.columns) {
                     let components = tag.attribute("NumberOfComponents");
                     // Arrays of texts are skipped.
@@ -276,22 +317,35 @@ impl Piece<'_> {
                 })?;
             builder.positions[vertex][index % 3] = checked;
         }
+        let ghosts = self.ghosts.as_ref().map(|ghosts| ghosts.indices(storage));
+        let ghosts = ghosts.transpose()?;
+        let marks = ghosts
+            .as_ref()
+            .and_then(|own| own.values.get(self.skipped..));
+        let first = cells.triangles.len();
         let [polygons, strips] = &self.sections;
         for (section, kind) in [(polygons, Cell::Polygon), (strips, Cell::Strip)] {
-            section.add_to(cells, kind, before, self.vertices, storage)?;
+            let done = cells.triangles.len() - first;
+            let marks = marks
+                .and_then(|marks| marks.get(done..))
+                .unwrap_or_default();
+            let is_left_out = |cell: usize| marks.get(cell).is_some_and(|mark| mark & NOT_OWN != 0);
+            let own = (before, self.vertices);
+            section.add_to(cells, kind, own, &is_left_out, storage)?;
         }
         Ok(())
     }
 }
 
 impl Section<'_> {
-    /// Adds the cells, which are all of one kind if they have no types. Their nodes count from `before`.
+    /// Adds the cells, which are all of one kind if they have no types, without those that are left out. Their nodes
+    /// count from `before`.
     fn add_to(
         &self,
         cells: &mut CellFaces,
         kind: Cell,
-        before: usize,
-        vertices: usize,
+        (before, vertices): (usize, usize),
+        is_left_out: &dyn Fn(usize) -> bool,
         storage: &Storage<'_>,
     ) -> Result<(), ParseError> {
         let file = storage.file;
@@ -313,6 +367,7 @@ impl Section<'_> {
             },
             before,
             vertices,
+            is_left_out,
         };
         cells.add_list(&list, &|part| match (part, &types) {
             (CellPart::Node(index), _) => corners.position(file, index),

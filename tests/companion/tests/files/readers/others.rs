@@ -176,12 +176,13 @@ fn faces_of_higher_order_have_their_corners() {
     let alone = parse(alone.as_bytes(), Format::Vtk).unwrap();
     assert_eq!(alone, found);
     let error = parse(
-        text("CELLS 1 5\n4 0 2 3 7\nCELL_TYPES 1\n10\n").as_bytes(),
+        text("CELLS 1 5\n4 0 2 3 7\nCELL_TYPES 1\n42\n").as_bytes(),
         Format::Vtk,
     );
     let message = error.unwrap_err().to_string();
     assert!(
-        message.contains("found tetrahedra only: extract their surface first"),
+        message
+            .contains("found polyhedra, or cells with too few nodes: extract their surface first"),
         "{message}"
     );
     let pixel = parse(
