@@ -148,7 +148,9 @@ pub use mesh::{MeshError, TriangleMesh, VertexKind};
 pub use method::{
     Conservative, Energy, Force, ForceDensity, Method, ParameterError, TwoPass, Workspace,
 };
-pub use noise::{AdaptiveJet, Cause, Estimate, Measured, Noise, Scale, Smoothing, Verdict};
+pub use noise::{
+    AdaptiveJet, Cause, Estimate, FitExtent, Measured, Noise, Scale, Smoothing, Verdict,
+};
 pub use points::{Points, PointsMut};
 pub use prepared::Prepared;
 pub use projection::{Projected, ProjectedMemory, RigidBody, remove_net_force_and_torque};

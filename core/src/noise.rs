@@ -33,7 +33,7 @@ use crate::neighbourhood::Neighbourhood;
 use crate::real::Real;
 use crate::surface::Surface;
 use crate::vec3::{Vec3, add, dot, norm, normalise};
-pub use adaptive::{AdaptiveJet, Cause, Estimate, Measured, Scale, Verdict};
+pub use adaptive::{AdaptiveJet, Cause, Estimate, FitExtent, Measured, Scale, Verdict};
 use alloc::vec;
 use alloc::vec::Vec;
 use core::cmp::Ordering;

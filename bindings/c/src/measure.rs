@@ -105,7 +105,7 @@ fn measure<N: Number>(
 
     let jet = AdaptiveJet {
         deviation,
-        neighbours: None,
+        extent: None,
     };
     let vertices = with_threads(threads(thread_count), || {
         measured(&jet, surface, &mut |_| true)

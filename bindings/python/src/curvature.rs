@@ -5,7 +5,8 @@ use crate::effects::{checked_material, material};
 use crate::failure::{Fault, invalid};
 use crate::work::{Watch, on_threads};
 use helfrich::{
-    AdaptiveJet, Finding, MaterialParameter, Measured, Quality, Surface, TriangleMesh, Verdict,
+    AdaptiveJet, Finding, FitExtent, MaterialParameter, Measured, Quality, Surface, TriangleMesh,
+    Verdict,
 };
 use helfrich_std::execute::Parallel;
 use helfrich_std::measurement::{
@@ -337,7 +338,7 @@ impl<T: Number> Answer<T> {
 
 /// Curvatures and force densities by name: `None` for quantities that the method does not define.
 #[pyfunction]
-#[pyo3(signature = (positions, faces, *, method, areas, bandwidth, modulus, spontaneous_curvature, scale, sigma, errors, force, threads))]
+#[pyo3(signature = (positions, faces, *, method, areas, bandwidth, modulus, spontaneous_curvature, scale, radius, sigma, errors, force, threads))]
 #[expect(clippy::too_many_arguments, reason = "keywords of a Python function")]
 pub(crate) fn curvature<'py>(
     py: Python<'py>,
@@ -349,6 +350,7 @@ pub(crate) fn curvature<'py>(
     modulus: &Bound<'py, PyAny>,
     spontaneous_curvature: &Bound<'py, PyAny>,
     scale: Option<usize>,
+    radius: Option<f64>,
     sigma: f64,
     errors: bool,
     force: bool,
@@ -365,7 +367,11 @@ pub(crate) fn curvature<'py>(
         material,
         jet: AdaptiveJet {
             deviation: sigma,
-            neighbours: scale,
+            extent: match (scale, radius) {
+                (Some(neighbours), _) => Some(FitExtent::Neighbours(neighbours)),
+                (None, Some(radius)) => Some(FitExtent::Radius(radius)),
+                (None, None) => None,
+            },
         },
         errors,
         force,

@@ -136,6 +136,8 @@ def test_parameters_are_checked():
         helfrich.Membrane(F, "bending")
     with pytest.raises(ValueError, match="28 to 4096"):
         helfrich.curvature(V, F, scale=5)
+    with pytest.raises(ValueError, match="leave one of them out"):
+        helfrich.curvature(V, F, scale=50, radius=0.5)
 
 
 def test_out():

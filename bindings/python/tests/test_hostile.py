@@ -112,6 +112,7 @@ CALLS = {
         of_mesh(h.curvature),
         of("method", [None, *TEXT], lambda value: h.curvature(V, F, method=value)),
         of("scale", [27, 4097, *WHOLE], lambda value: h.curvature(V, F, scale=value)),
+        of("radius", [0.0, *LENGTH_OR_NONE], lambda value: h.curvature(V, F, radius=value)),
         of("sigma", LENGTH, lambda value: h.curvature(V, F, sigma=value)),
         of("directions", FLAG, lambda value: h.curvature(V, F, directions=value)),
         of("errors", FLAG, lambda value: h.curvature(V, F, errors=value)),

@@ -106,10 +106,27 @@ pub struct AdaptiveJet<T> {
     /// Known standard deviation σ of the positions along the normal, a length; it is a lower bound of
     /// the deviation at every vertex. If it is 0, the deviation is estimated from the positions alone.
     pub deviation: T,
-    /// Number of neighbours of the fits, 28 or more: results are those of regression jets with this
-    /// number, of degree 4 or 6, wherever the neighbours determine them. With `None` the number is chosen at
-    /// every vertex.
-    pub neighbours: Option<usize>,
+    /// Extent of the fits: results are those of regression jets with this extent, of degree 4 or 6, wherever the
+    /// neighbours determine them. With `None` the number of neighbours is chosen at every vertex.
+    pub extent: Option<FitExtent<T>>,
+}
+
+/// The vertices that a regression jet is fitted to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FitExtent<T> {
+    /// This number of nearest vertices, at least [`FitExtent::FEWEST`].
+    Neighbours(usize),
+    /// All vertices within this distance, a length above 0, but at least the [`FitExtent::FEWEST`] and at most the
+    /// [`FitExtent::MOST`] nearest: [`Scale::neighbours`] tells their number.
+    Radius(T),
+}
+
+impl<T> FitExtent<T> {
+    /// The fewest neighbours that determine a polynomial of degree 6.
+    pub const FEWEST: usize = 28;
+
+    /// The most neighbours of a radius.
+    pub const MOST: usize = 4096;
 }
 
 impl<T> AdaptiveJet<T> {
@@ -122,7 +139,7 @@ impl<T: Real> Default for AdaptiveJet<T> {
     fn default() -> Self {
         Self {
             deviation: T::zero(),
-            neighbours: None,
+            extent: None,
         }
     }
 }
@@ -333,7 +350,7 @@ impl<T: Real> AdaptiveJet<T> {
             if !watch(work(&ladder[..rung]) / work(&ladder)) {
                 return None;
             }
-            let is_chosen = self.neighbours.is_none();
+            let is_chosen = self.extent.is_none();
             if is_chosen && neighbours == WIDEST && chosen.rising() <= RISING {
                 break;
             }
@@ -345,7 +362,7 @@ impl<T: Real> AdaptiveJet<T> {
             }
         }
         watch(1.0);
-        let is_fixed = self.neighbours.is_some();
+        let is_fixed = self.extent.is_some();
         let (mut measured, doubts) =
             chosen.measured(execution, &ground, &deviations, is_fixed, &jets);
         settle::settle(&ground, &doubts, &mut measured);
@@ -385,11 +402,14 @@ impl<T: Real> AdaptiveJet<T> {
     ) -> Begun<'s, T> {
         let mut jets = Jets::new(execution, surface);
         let mut ground = Ground::new(execution, surface, names, &jets.curvature);
-        let is_free = self.deviation == T::zero() && self.neighbours.is_none();
+        let is_free = self.deviation == T::zero() && self.extent.is_none();
         let is_smooth = ground.marks.is_empty() && !ground.is_on_grid;
         let is_quiet = is_free && is_smooth && jets.are_quiet(execution, &ground);
         if !is_quiet {
             ground.widen(execution);
+        }
+        if let Some(FitExtent::Radius(radius)) = self.extent {
+            ground.count_within(execution, radius);
         }
         let ground = ground;
         let rings = if is_quiet { ONE_STAGE } else { u8::MAX };
@@ -427,14 +447,20 @@ impl<T: Real> AdaptiveJet<T> {
     /// The numbers of neighbours to try.
     fn ladder(&self, deviations: &Deviations<T>, ground: &Ground<'_, T>) -> Vec<usize> {
         let vertices = ground.normals.len();
-        match self.neighbours {
+        match self.extent {
             // Fits with fewer neighbours have less bias: distances from them show the bias.
-            Some(neighbours) => {
-                let narrow = (neighbours as f64 / 1.42).max(28.0) as usize;
-                let mut ladder = vec![Self::LADDER[0], narrow, neighbours.max(28)];
+            Some(extent) => {
+                let neighbours = match extent {
+                    FitExtent::Neighbours(neighbours) => neighbours,
+                    FitExtent::Radius(_) => ground.most_within,
+                };
+                let neighbours = neighbours.max(FitExtent::<T>::FEWEST);
+                let narrow = (neighbours as f64 / 1.42) as usize;
+                let narrow = narrow.max(FitExtent::<T>::FEWEST);
+                let mut ladder = vec![Self::LADDER[0], narrow, neighbours];
                 ladder.sort_unstable();
                 ladder.dedup();
-                ladder.retain(|&rung| rung <= neighbours.max(28));
+                ladder.retain(|&rung| rung <= neighbours);
                 ladder
             }
             // Without noise no fit is better than the jets.

@@ -121,7 +121,7 @@ _helfrich() {
             return 0
             ;;
         helfrich__subcmd__curvature)
-            opts="-h --weld --method --modulus --areas --bandwidth --scalar --errors --sigma --scale --csv --vtp --picture --colour-by --threads --help"
+            opts="-h --weld --method --modulus --areas --bandwidth --scalar --errors --sigma --scale --radius --csv --vtp --picture --colour-by --threads --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -156,6 +156,10 @@ _helfrich() {
                     return 0
                     ;;
                 --scale)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --radius)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;

@@ -76,6 +76,7 @@ complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l bandwidt
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l scalar -d 'Number type: f32, f32-pair (positions as pairs of f32) or f64' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l sigma -d 'Known standard deviation of the positions along the normal, a length: a lower bound of the noise that is assumed. By default the noise is estimated from the positions' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l scale -d 'Number of neighbours of the fits of `jet`, 28 to 4096. By default it is chosen from the noise, at each vertex and separately for H, K and f' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l radius -d 'Radius of the fits of `jet` instead, a length: they take all vertices within it, 28 to 4096 of them' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l csv -d 'Write to this file instead of standard output (`-`)' -r -F
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l vtp -d 'Write the surface with all results to this `.vtp` file; a table is then written only with `--csv`' -r -F
 complete -c helfrich -n "__fish_helfrich_using_subcommand curvature" -l picture -d 'Draw the surface to this `.png` file, with principal directions if `--method jet` or `--errors` is given; a table is then written only with `--csv`. The surface is grey where twice the error bar exceeds the range of the colours' -r -F

@@ -64,7 +64,7 @@ _arguments "${_arguments_options[@]}" : \
 '--threads=[Number of threads, from 1 to 1024; by default as many as the machine runs at once. Results do not depend on it]:N:_default' \
 '-h[Print help]' \
 '--help[Print help]' \
-':mesh -- Mesh file\: .obj, .off, .stl, .ply, .vtp, .vtu, .vtk, .glb, .gltf, .msh, .gii and .3mf, also compressed as .gz:_files' \
+':mesh -- Mesh file\: .obj, .off, .stl, .ply, .vtp, .vtu, .pvtp, .pvtu, .vtm, .vtk, .glb, .gltf, .msh, .gii and .3mf, also compressed as .gz:_files' \
 && ret=0
 ;;
 (curvature)
@@ -77,6 +77,7 @@ _arguments "${_arguments_options[@]}" : \
 '--scalar=[Number type\: f32, f32-pair (positions as pairs of f32) or f64]:SCALAR:_default' \
 '--sigma=[Known standard deviation of the positions along the normal, a length\: a lower bound of the noise that is assumed. By default the noise is estimated from the positions]:LENGTH:_default' \
 '--scale=[Number of neighbours of the fits of \`jet\`, 28 to 4096. By default it is chosen from the noise, at each vertex and separately for H, K and f]:NEIGHBOURS:_default' \
+'(--scale)--radius=[Radius of the fits of \`jet\` instead, a length\: they take all vertices within it, 28 to 4096 of them]:LENGTH:_default' \
 '--csv=[Write to this file instead of standard output (\`-\`)]:CSV:_files' \
 '--vtp=[Write the surface with all results to this \`.vtp\` file; a table is then written only with \`--csv\`]:FILE:_files' \
 '--picture=[Draw the surface to this \`.png\` file, with principal directions if \`--method jet\` or \`--errors\` is given; a table is then written only with \`--csv\`. The surface is grey where twice the error bar exceeds the range of the colours]:FILE:_files' \
@@ -85,7 +86,7 @@ _arguments "${_arguments_options[@]}" : \
 '--errors[Add principal curvatures, error bars and a verdict to the results of any method, by comparison with jets that choose their scale from the noise; \`--method jet\` always has them]' \
 '-h[Print help (see more with '\''--help'\'')]' \
 '--help[Print help (see more with '\''--help'\'')]' \
-':mesh -- Mesh file\: .obj, .off, .stl, .ply, .vtp, .vtu, .vtk, .glb, .gltf, .msh, .gii and .3mf, also compressed as .gz:_files' \
+':mesh -- Mesh file\: .obj, .off, .stl, .ply, .vtp, .vtu, .pvtp, .pvtu, .vtm, .vtk, .glb, .gltf, .msh, .gii and .3mf, also compressed as .gz:_files' \
 && ret=0
 ;;
 (info)
@@ -93,7 +94,7 @@ _arguments "${_arguments_options[@]}" : \
 '--weld=[Merge vertices at exactly the same point, or at most a distance apart. Files from renderers often have separate vertices for each face]::DISTANCE:_default' \
 '-h[Print help]' \
 '--help[Print help]' \
-':mesh -- Mesh file\: .obj, .off, .stl, .ply, .vtp, .vtu, .vtk, .glb, .gltf, .msh, .gii and .3mf, also compressed as .gz:_files' \
+':mesh -- Mesh file\: .obj, .off, .stl, .ply, .vtp, .vtu, .pvtp, .pvtu, .vtm, .vtk, .glb, .gltf, .msh, .gii and .3mf, also compressed as .gz:_files' \
 && ret=0
 ;;
 (remesh)
@@ -111,7 +112,7 @@ _arguments "${_arguments_options[@]}" : \
 '--smooth[Remove the noise of the positions first]' \
 '-h[Print help (see more with '\''--help'\'')]' \
 '--help[Print help (see more with '\''--help'\'')]' \
-':mesh -- Mesh file\: .obj, .off, .stl, .ply, .vtp, .vtu, .vtk, .glb, .gltf, .msh, .gii and .3mf, also compressed as .gz:_files' \
+':mesh -- Mesh file\: .obj, .off, .stl, .ply, .vtp, .vtu, .pvtp, .pvtu, .vtm, .vtk, .glb, .gltf, .msh, .gii and .3mf, also compressed as .gz:_files' \
 && ret=0
 ;;
 (repair)
@@ -126,7 +127,7 @@ _arguments "${_arguments_options[@]}" : \
 '--drop-unused[Leave out vertices in no triangle of the file, too]' \
 '-h[Print help (see more with '\''--help'\'')]' \
 '--help[Print help (see more with '\''--help'\'')]' \
-':mesh -- Mesh file\: .obj, .off, .stl, .ply, .vtp, .vtu, .vtk, .glb, .gltf, .msh, .gii and .3mf, also compressed as .gz:_files' \
+':mesh -- Mesh file\: .obj, .off, .stl, .ply, .vtp, .vtu, .pvtp, .pvtu, .vtm, .vtk, .glb, .gltf, .msh, .gii and .3mf, also compressed as .gz:_files' \
 && ret=0
 ;;
 (smooth)
@@ -139,7 +140,7 @@ _arguments "${_arguments_options[@]}" : \
 '--threads=[Number of threads, from 1 to 1024; by default as many as the machine runs at once. Results do not depend on it]:N:_default' \
 '-h[Print help (see more with '\''--help'\'')]' \
 '--help[Print help (see more with '\''--help'\'')]' \
-':mesh -- Mesh file\: .obj, .off, .stl, .ply, .vtp, .vtu, .vtk, .glb, .gltf, .msh, .gii and .3mf, also compressed as .gz:_files' \
+':mesh -- Mesh file\: .obj, .off, .stl, .ply, .vtp, .vtu, .pvtp, .pvtu, .vtm, .vtk, .glb, .gltf, .msh, .gii and .3mf, also compressed as .gz:_files' \
 && ret=0
 ;;
 (split)
@@ -151,7 +152,7 @@ _arguments "${_arguments_options[@]}" : \
 '--out=[Folder for the files component-1, component-2 and so on, in the order of their first vertices]:OUT:_files' \
 '-h[Print help]' \
 '--help[Print help]' \
-':mesh -- Mesh file\: .obj, .off, .stl, .ply, .vtp, .vtu, .vtk, .glb, .gltf, .msh, .gii and .3mf, also compressed as .gz:_files' \
+':mesh -- Mesh file\: .obj, .off, .stl, .ply, .vtp, .vtu, .pvtp, .pvtu, .vtm, .vtk, .glb, .gltf, .msh, .gii and .3mf, also compressed as .gz:_files' \
 && ret=0
 ;;
 (subdivide)
@@ -163,7 +164,7 @@ _arguments "${_arguments_options[@]}" : \
 '--limit[Place the vertices on the smooth surface to which further refinement would converge]' \
 '-h[Print help]' \
 '--help[Print help]' \
-':mesh -- Mesh file\: .obj, .off, .stl, .ply, .vtp, .vtu, .vtk, .glb, .gltf, .msh, .gii and .3mf, also compressed as .gz:_files' \
+':mesh -- Mesh file\: .obj, .off, .stl, .ply, .vtp, .vtu, .pvtp, .pvtu, .vtm, .vtk, .glb, .gltf, .msh, .gii and .3mf, also compressed as .gz:_files' \
 && ret=0
 ;;
 (run)

@@ -10,7 +10,7 @@ use crate::{
     refuse_replacing, warn,
 };
 use clap::builder::PossibleValuesParser;
-use helfrich::{AdaptiveJet, Cause, Surface, Verdict};
+use helfrich::{AdaptiveJet, Cause, FitExtent, Surface, Verdict};
 use helfrich_std::execute::Parallel;
 use helfrich_std::io::{MeshFile, PointField, PointValues, write_vtp};
 use helfrich_std::measurement::{Column, ColumnValues, Measurement};
@@ -51,6 +51,9 @@ pub(crate) struct CurvatureArguments {
     /// each vertex and separately for H, K and f.
     #[arg(long, value_name = "NEIGHBOURS", value_parser = clap::value_parser!(u32).range(28..=4096))]
     scale: Option<u32>,
+    /// Radius of the fits of `jet` instead, a length: they take all vertices within it, 28 to 4096 of them.
+    #[arg(long, value_name = "LENGTH", value_parser = positive, allow_negative_numbers = true, conflicts_with = "scale")]
+    radius: Option<f64>,
     /// Write to this file instead of standard output (`-`).
     #[arg(long)]
     csv: Option<PathBuf>,
@@ -81,13 +84,22 @@ fn measurement(
     arguments: &CurvatureArguments,
     surface: Surface<'_, f64>,
 ) -> Result<Option<Measurement>, Failure> {
-    let CurvatureArguments { sigma, scale, .. } = arguments;
+    let CurvatureArguments {
+        sigma,
+        scale,
+        radius,
+        ..
+    } = arguments;
     if !(arguments.method.has_error_bars() || arguments.errors) {
         return Ok(None);
     }
     let jet = AdaptiveJet {
         deviation: sigma.unwrap_or(0.0),
-        neighbours: scale.map(|neighbours| neighbours as usize),
+        extent: match (scale, radius) {
+            (Some(neighbours), _) => Some(FitExtent::Neighbours(*neighbours as usize)),
+            (None, Some(radius)) => Some(FitExtent::Radius(*radius)),
+            (None, None) => None,
+        },
     };
     let mut bar = ProgressBar::default();
     let measured = Measurement::new(surface, &jet, &mut |done| {
@@ -187,8 +199,14 @@ pub(crate) fn curvature(arguments: &CurvatureArguments) -> Result<(), Failure> {
     }
     check_outputs(outputs.into_iter().filter_map(|(path, _)| path))?;
     let is_measured = arguments.method.has_error_bars() || arguments.errors;
-    if !is_measured && (arguments.sigma.is_some() || arguments.scale.is_some()) {
-        let message = "--sigma and --scale are for --method jet, or with --errors";
+    let CurvatureArguments {
+        sigma,
+        scale,
+        radius,
+        ..
+    } = arguments;
+    if !is_measured && (sigma.is_some() || scale.is_some() || radius.is_some()) {
+        let message = "--sigma, --scale and --radius are for --method jet, or with --errors";
         return Err(Failure::Input(message.into()));
     }
     if let Some(path) = &arguments.picture {

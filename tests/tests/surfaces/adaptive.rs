@@ -4,8 +4,8 @@
 use crate::expected_errors::{Case, torus};
 use helfrich::shapes::ExactPoint;
 use helfrich::{
-    AdaptiveJet, Cotangent, Curvature, Curvatures, DualArea, Estimate, Hamann, Jet, Measured,
-    Paraboloid, Prepared, Serial, StrongForm, Surface, TriangleMesh, Verdict,
+    AdaptiveJet, Cotangent, Curvature, Curvatures, DualArea, Estimate, FitExtent, Hamann, Jet,
+    Measured, Paraboloid, Prepared, Serial, StrongForm, Surface, TriangleMesh, Verdict,
 };
 use helfrich_std::generate::{AnyShape, Family};
 use helfrich_std::noise::measured;
@@ -54,7 +54,7 @@ pub(crate) fn best_fixed(
     let mut best = [f64::INFINITY; QUANTITIES];
     for &neighbours in numbers {
         let jet = AdaptiveJet {
-            neighbours: Some(neighbours),
+            extent: Some(FitExtent::Neighbours(neighbours)),
             ..AdaptiveJet::default()
         };
         let found = of(&jet, &case.mesh, positions);
@@ -262,7 +262,7 @@ fn known_noise_need_not_be_seen() {
     assert!(unknown < 2.5 * best, "{unknown} {best}");
     let known = error(AdaptiveJet {
         deviation,
-        neighbours: None,
+        extent: None,
     });
     assert!(known < 1.3 * best, "{known} {best}");
 }
@@ -273,13 +273,49 @@ fn known_noise_need_not_be_seen() {
 fn a_fixed_scale_is_kept() {
     let case = Case::of_star(3, Family::Irregular, 2562);
     let jet = AdaptiveJet {
-        neighbours: Some(100),
+        extent: Some(FitExtent::Neighbours(100)),
         ..AdaptiveJet::default()
     };
     for at in of(&jet, &case.mesh, &case.positions()) {
         for quantity in 0..QUANTITIES {
             assert_eq!(estimate(&at, quantity).scale.neighbours, 100);
         }
+    }
+}
+
+/// Fits of a given radius take the vertices within it, but no fewer than determine a polynomial of degree 6, also
+/// where triangles have other sizes. Their curvatures are about those of the fits by numbers.
+#[test]
+fn a_fixed_radius_is_kept() {
+    let case = Case::of_star(3, Family::Irregular, 2562);
+    let positions = case.positions();
+    let largest = case
+        .exact
+        .iter()
+        .map(|point| point.mean.abs())
+        .fold(0.0, f64::max);
+    for radius in [0.12, 0.25] {
+        let jet = AdaptiveJet {
+            extent: Some(FitExtent::Radius(radius)),
+            ..AdaptiveJet::default()
+        };
+        let mut numbers = Vec::new();
+        for (vertex, at) in of(&jet, &case.mesh, &positions).iter().enumerate() {
+            let here = positions[vertex];
+            let away = |x: &&[f64; 3]| meshes::norm([0, 1, 2].map(|axis| x[axis] - here[axis]));
+            let others = positions.iter().filter(|x| away(x) <= radius).count() - 1;
+            for quantity in 0..QUANTITIES {
+                let found = estimate(at, quantity).scale.neighbours as usize;
+                // Few neighbours may not determine the polynomial.
+                let is_kept = found == others || others < 45 && found >= others.max(28);
+                assert!(is_kept, "{found} of {others} neighbours at vertex {vertex}");
+            }
+            numbers.push(others);
+            let off = (at.mean.value - case.exact[vertex].mean).abs();
+            assert!(off < 0.1 * largest, "{off} at vertex {vertex}");
+        }
+        let [least, most] = [numbers.iter().min(), numbers.iter().max()];
+        assert!(most > least, "the triangles have one size");
     }
 }
 

@@ -2,8 +2,8 @@
 
 use helfrich::shapes::Shape;
 use helfrich::{
-    AdaptiveJet, Finding, Measured, Noise, Prepared, Serial, Smoothing, StrongForm, Surface,
-    TriangleMesh, Verdict,
+    AdaptiveJet, Finding, FitExtent, Measured, Noise, Prepared, Serial, Smoothing, StrongForm,
+    Surface, TriangleMesh, Verdict,
 };
 use helfrich_std::generate::random::Random;
 use helfrich_std::generate::{Family, GeneratedMesh, generate};
@@ -382,7 +382,7 @@ fn fixed_errors(made: &GeneratedMesh, deviation: f64, neighbours: usize) -> [f64
     let positions = disturbed(&made.positions, deviation);
     let surface = Surface::new(&made.mesh, &positions).expect("positions");
     let jet = AdaptiveJet {
-        neighbours: Some(neighbours),
+        extent: Some(FitExtent::Neighbours(neighbours)),
         ..AdaptiveJet::default()
     };
     let found = measured(&jet, surface, &mut |_| true).expect("not interrupted");
@@ -420,11 +420,11 @@ fn normal_equations_agree_with_orthogonal_columns() {
     let made = mesh("discocyte", Family::Irregular, 642).expect("a mesh");
     let double = AdaptiveJet {
         deviation: 0.02,
-        neighbours: Some(90),
+        extent: Some(FitExtent::Neighbours(90)),
     };
     let single = AdaptiveJet {
         deviation: 0.02_f32,
-        neighbours: Some(90),
+        extent: Some(FitExtent::Neighbours(90)),
     };
     let surface = Surface::new(&made.mesh, &made.positions).expect("positions");
     let double = double.measure(&Serial, surface, None, &mut |_| true);

@@ -74,6 +74,14 @@ def length(value: Any, name: str) -> float:
     return found
 
 
+def positive_length(value: Any, name: str) -> float:
+    """A length above 0."""
+    found = number(value, name)
+    if found <= 0:
+        raise ValueError(f"{name} is {found}: a length above 0 is needed")
+    return found
+
+
 def vector(value: Any, name: str) -> List[float]:
     """Three finite numbers."""
     needed = f"{name} is {shown(value)}: three finite numbers are needed"

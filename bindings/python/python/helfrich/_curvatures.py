@@ -136,12 +136,15 @@ def _answer(
     kappa: Any = 1.0,
     H0: Any = 0.0,
     scale: Optional[int] = None,
+    radius: Optional[float] = None,
     sigma: float = 0.0,
     errors: bool = False,
     force: bool = False,
     threads: Optional[int] = None,
 ) -> dict:
     V, F = both(V, F)
+    if scale is not None and radius is not None:
+        raise ValueError("scale and radius both give the extent of fits: leave one of them out")
     return _helfrich.curvature(
         V,
         F,
@@ -151,6 +154,7 @@ def _answer(
         modulus=kappa,
         spontaneous_curvature=H0,
         scale=None if scale is None else _checks.whole(scale, "scale", 28, 4096),
+        radius=None if radius is None else _checks.positive_length(radius, "radius"),
         sigma=_checks.length(sigma, "sigma"),
         errors=_checks.flag(errors, "errors"),
         force=force,
@@ -185,6 +189,7 @@ def curvature(
     *,
     method: _Jets = "auto",
     scale: Optional[int] = None,
+    radius: Optional[float] = None,
     sigma: float = 0.0,
     directions: Literal[True],
     errors: bool = False,
@@ -201,6 +206,7 @@ def curvature(
     *,
     method: _Jets = "auto",
     scale: Optional[int] = None,
+    radius: Optional[float] = None,
     sigma: float = 0.0,
     directions: bool = False,
     errors: bool = False,
@@ -217,6 +223,7 @@ def curvature(
     *,
     method: str,
     scale: Optional[int] = None,
+    radius: Optional[float] = None,
     sigma: float = 0.0,
     directions: bool = False,
     errors: Literal[True],
@@ -233,6 +240,7 @@ def curvature(
     *,
     method: str,
     scale: Optional[int] = None,
+    radius: Optional[float] = None,
     sigma: float = 0.0,
     directions: bool = False,
     errors: bool = False,
@@ -248,6 +256,7 @@ def curvature(
     *,
     method: str = "auto",
     scale: Optional[int] = None,
+    radius: Optional[float] = None,
     sigma: float = 0.0,
     directions: bool = False,
     errors: bool = False,
@@ -269,6 +278,8 @@ def curvature(
         each vertex, and has error bars. Other methods are listed in `helfrich.METHODS`.
     scale : int, optional
         Number of neighbours of the fits of "auto", 28 to 4096, instead of their own choice.
+    radius : float, optional
+        Radius of the fits of "auto" instead, a length: they take all vertices within it, 28 to 4096 of them.
     sigma : float
         Known standard deviation of the positions along the normal, a length: a lower bound of the
         noise that "auto" assumes.
@@ -305,7 +316,7 @@ def curvature(
     directions = _checks.flag(directions, "directions")
     found = _answer(
         V, F, method=method, areas=areas, bandwidth=bandwidth,
-        scale=scale, sigma=sigma, errors=errors, threads=threads,
+        scale=scale, radius=radius, sigma=sigma, errors=errors, threads=threads,
     )  # fmt: skip
     if found["H"] is None:
         raise ValueError(f"{method} defines no curvatures: choose a method that defines H, such as auto")

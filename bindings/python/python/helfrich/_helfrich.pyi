@@ -69,6 +69,7 @@ def curvature(
     modulus: Any,
     spontaneous_curvature: Any,
     scale: Optional[int],
+    radius: Optional[float],
     sigma: float,
     errors: bool,
     force: bool,

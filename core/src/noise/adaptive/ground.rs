@@ -1,6 +1,6 @@
 //! Data that all fits of a surface share.
 
-use super::{LOCAL, NONE, POOL, REPLICAS, Values};
+use super::{FitExtent, LOCAL, NONE, POOL, REPLICAS, Values};
 use crate::curvature::Curvature;
 use crate::element::{Execution, Strided};
 use crate::neighbourhood::Neighbourhood;
@@ -35,6 +35,9 @@ pub(super) struct Ground<'a, T> {
     pub(super) is_on_grid: bool,
     /// Ratios of spacings: see [`aspects`].
     aspects: Vec<T>,
+    /// Numbers of vertices within the radius of fits with one, and the largest of them.
+    within: Vec<u32>,
+    pub(super) most_within: usize,
 }
 
 impl<'a, T: Real> Ground<'a, T> {
@@ -71,6 +74,8 @@ impl<'a, T: Real> Ground<'a, T> {
             nearest: Vec::new(),
             pool: 0,
             rings: rings_from_border(surface.mesh()),
+            within: Vec::new(),
+            most_within: 0,
         };
         ground.find_nearest(execution, LOCAL);
         ground
@@ -97,6 +102,37 @@ impl<'a, T: Real> Ground<'a, T> {
                 }
             },
         );
+    }
+
+    /// Counts the vertices within this distance of each, within the limits of [`FitExtent::Radius`].
+    pub(super) fn count_within(&mut self, execution: &impl Execution, radius: T) {
+        let surface = self.surface;
+        let [fewest, most] = [FitExtent::<T>::FEWEST, FitExtent::<T>::MOST];
+        self.within.resize(self.rings.len(), 0);
+        let mut scratch: Vec<Neighbourhood<T>> = Vec::new();
+        execution.map_with(&mut scratch, &mut self.within[..], |near, vertex, count| {
+            let mut searched = 2 * fewest;
+            let is_within = |&(squared, _): &(T, u32)| squared <= radius * radius;
+            loop {
+                near.nearest(surface, vertex as u32, searched);
+                let is_whole = near.found.len() < searched || searched >= most;
+                if is_whole || !near.found.last().is_some_and(is_within) {
+                    break;
+                }
+                searched = (2 * searched).min(most);
+            }
+            *count = near.found.partition_point(is_within).max(fewest) as u32;
+        });
+        self.most_within = self.within.iter().copied().max().unwrap_or(0) as usize;
+    }
+
+    /// The number of neighbours of a regression at a vertex that has `largest` where most vertices are within the
+    /// radius; `largest` everywhere if fits have no radius.
+    pub(super) fn share(&self, vertex: usize, largest: usize) -> usize {
+        self.within.get(vertex).map_or(largest, |&own| {
+            let share = largest * own as usize / self.most_within;
+            share.max(FitExtent::<T>::FEWEST)
+        })
     }
 
     /// Whether fits around a vertex are one-sided.

@@ -93,8 +93,10 @@ impl<T: Real> LevelScratch<T> {
         let in_any_order = kind.in_any_order && !is_one_sided;
         let mut wanted = if is_one_sided {
             first * more / than
-        } else {
+        } else if kind.model.interpolates {
             first
+        } else {
+            ground.share(vertex, first)
         };
         loop {
             let near = &mut self.near;

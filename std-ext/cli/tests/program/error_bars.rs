@@ -125,10 +125,25 @@ fn scale_and_noise_can_be_told() {
         ],
     );
     assert!(error.contains("--errors"), "{error}");
-    fail(
+    for wrong in [
+        &["--scale", "12"][..],
+        &["--radius", "0"],
+        &["--radius", "0.1", "--scale", "50"],
+    ] {
+        fail(2, &[&["curvature", file.path()], wrong].concat());
+    }
+    let error = fail(
         2,
-        &["curvature", file.path(), "--method", "jet", "--scale", "12"],
+        &[
+            "curvature",
+            file.path(),
+            "--method",
+            "meyer",
+            "--radius",
+            "1",
+        ],
     );
+    assert!(error.contains("--errors"), "{error}");
     fail(
         2,
         &["curvature", file.path(), "--method", "jet", "--sigma", "-1"],

@@ -9,7 +9,7 @@ use crate::measurement::Measurement;
 use crate::method::{AnyMethod, BendingMethod, Evaluator, Fields, MethodOptions};
 use crate::scalar::Scalar;
 use helfrich::shapes::{ExactPoint, Shape};
-use helfrich::{AdaptiveJet, Estimate, Measured, Surface, Verdict};
+use helfrich::{AdaptiveJet, Estimate, FitExtent, Measured, Surface, Verdict};
 use serde::Serialize;
 
 /// H, K and f.
@@ -265,7 +265,7 @@ impl Truth {
         let ladder = ladder.take_while(|neighbours| neighbours + 1 < self.points.len());
         let fixed = ladder.filter_map(|neighbours| {
             let jet = AdaptiveJet {
-                neighbours: Some(neighbours),
+                extent: Some(FitExtent::Neighbours(neighbours)),
                 ..AdaptiveJet::default()
             };
             Some(Measurement::new(surface, &jet, &mut |_| true)?.fields(1.0))
