@@ -67,6 +67,14 @@ impl<L: Lane> Graph<L> {
         L::literal(-0.5) * bend * (uprightness * uprightness * uprightness)
     }
 
+    /// The curvature of the normal section along y.
+    #[inline(always)]
+    pub(crate) fn along_y(&self, uprightness: L) -> L {
+        let ([_, q], [.., yy]) = (self.first, self.second);
+        let over = (L::literal(1.0) + q * q).reciprocal_or_zero();
+        -(yy * uprightness * over)
+    }
+
     /// K.
     #[inline(always)]
     pub(crate) fn gaussian(&self, uprightness: L) -> L {

@@ -155,7 +155,12 @@ impl<T: Real> Block<T> {
             match stage {
                 0 => {
                     let graph = Graph::of_coefficients(coefficients);
-                    curvature = graph.mean(graph.uprightness());
+                    let uprightness = graph.uprightness();
+                    let (mean, across) = (graph.mean(uprightness), graph.along_y(uprightness));
+                    // Across rows, few neighbours have to determine what the inversion leaves.
+                    let curved = Several::select(uneven, across, mean);
+                    let is_more = (mean * mean).less(curved * curved);
+                    curvature = Several::select(is_more, curved, mean);
                     normal = tilted(normal, frame, graph.first);
                     frame = frame_towards(first, normal);
                     let quarter = Inversion(Several::literal(-0.25) * curvature);
