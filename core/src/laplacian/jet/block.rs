@@ -156,9 +156,16 @@ impl<T: Real> Block<T> {
                 0 => {
                     let graph = Graph::of_coefficients(coefficients);
                     let uprightness = graph.uprightness();
-                    let (mean, across) = (graph.mean(uprightness), graph.along_y(uprightness));
-                    // Across rows, few neighbours have to determine what the inversion leaves.
-                    let curved = Several::select(uneven, across, mean);
+                    let mean = graph.mean(uprightness);
+                    // Across rows, few neighbours have to determine what the inversion leaves: the curvature that
+                    // leaves the least heights of neighbours, which lie farther across than along by the aspect.
+                    let across = graph.along_y(uprightness);
+                    let over = lanes.aspects.reciprocal_or_zero();
+                    let along = (over * over) * (over * over);
+                    let share = along * (Several::literal(1.0) + along).reciprocal_or_zero();
+                    let two = Several::literal(2.0);
+                    let curved = across + share * two * (mean - across);
+                    let curved = Several::select(uneven, curved, mean);
                     let is_more = (mean * mean).less(curved * curved);
                     curvature = Several::select(is_more, curved, mean);
                     normal = tilted(normal, frame, graph.first);

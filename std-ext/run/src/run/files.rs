@@ -19,6 +19,7 @@ use crate::scene::{
 use crate::series::SeriesTable;
 use crate::simulation::{Acting, Body, Simulation};
 use glam::DVec3;
+use helfrich::Surface;
 use std::path::Path;
 use std::time::Instant;
 
@@ -106,6 +107,12 @@ fn columns(body: &Body, place: ColumnPlace) -> Vec<PointField<'_>> {
     fields.collect()
 }
 
+/// The obstacles of a scene.
+fn solids(simulation: &Simulation) -> impl Iterator<Item = Surface<'_, f64>> {
+    let obstacles = simulation.obstacles().iter();
+    obstacles.filter_map(|obstacle| Surface::new(&obstacle.mesh, &obstacle.positions).ok())
+}
+
 impl Run<'_> {
     pub(super) fn write_surfaces(&mut self, mark: Mark, acting: &[Acting]) -> Result<(), RunError> {
         let folder = self.folder.join("surfaces");
@@ -162,7 +169,7 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// All surfaces in one picture, coloured by the scene's field.
+    /// All surfaces in one picture, coloured by the scene's field, and obstacles in grey.
     pub(super) fn draw(&mut self, mark: Mark, acting: &[Acting]) -> Result<(), RunError> {
         let folder = self.folder.join("pictures");
         let positions = self.drive.positions();
@@ -173,16 +180,18 @@ impl Run<'_> {
             Vec::from_iter(bodies.iter().map(|body| {
                 measure::picture_field(&self.simulation, body, positions, acting, field)
             }));
-        let surfaces = bodies.iter().zip(&fields).filter_map(|(body, field)| {
-            Some(PaintedSurface {
-                surface: body.surface(positions)?,
-                field: field.as_deref(),
-                shading: Shading::Smooth,
-                edges: false,
-                strokes: None,
-            })
-        });
-        let surfaces = Vec::from_iter(surfaces);
+        let painted = |surface, field| PaintedSurface {
+            surface,
+            field,
+            shading: Shading::Smooth,
+            edges: false,
+            strokes: None,
+        };
+        let surfaces = bodies.iter().zip(&fields);
+        let surfaces = surfaces
+            .filter_map(|(body, field)| Some(painted(body.surface(positions)?, field.as_deref())));
+        let solids = solids(&self.simulation).map(|surface| painted(surface, None));
+        let surfaces = Vec::from_iter(surfaces.chain(solids));
         let signed = fields.iter().flatten().flatten().any(|&value| value < 0.0);
         let label = measure::picture_label(field, scene.units);
         let picture = Picture {
@@ -301,7 +310,8 @@ impl Run<'_> {
             let start = Instant::now();
             let bodies = self.simulation.bodies().iter();
             let positions = self.drive.positions();
-            let surfaces = Vec::from_iter(bodies.filter_map(|body| body.surface(positions)));
+            let surfaces = bodies.filter_map(|body| body.surface(positions));
+            let surfaces = Vec::from_iter(surfaces.chain(solids(&self.simulation)));
             let (length, speed) = match scene.units {
                 UnitSystem::Micro => (Some("µm"), "|u| (µm/s)"),
                 UnitSystem::None => (None, "|u|"),

@@ -20,7 +20,7 @@ pub(super) struct Measures {
     directions: Vec<Option<[[f64; 3]; 2]>>,
     /// Area and volume, for each surface where they are not those of flat triangles.
     held: Vec<Option<HeldExtents>>,
-    /// A ball around the initial surfaces.
+    /// A ball around the initial surfaces, and obstacles near them.
     ball: Frame,
 }
 
@@ -46,11 +46,17 @@ impl Measures {
             let along = body.stretching_axis();
             directions.push(along.map(|axis| [axis, across(axis, &positions[body.vertices()])]));
         }
+        let mut ball = ball(positions);
+        // Obstacles that are not much larger are shown as a whole.
+        let obstacles = simulation.obstacles().iter();
+        let reaches = obstacles.map(|obstacle| farthest(ball.centre, &obstacle.positions));
+        let near = reaches.filter(|&reach| reach <= 2.0 * ball.radius);
+        ball.radius = near.fold(ball.radius, |most, reach| most.max(1.05 * reach));
         let mut measures = Self {
             columns,
             directions,
             held: Vec::new(),
-            ball: ball(positions),
+            ball,
         };
         measures.meshes_changed(all, simulation);
         measures

@@ -138,6 +138,16 @@ impl Builder<'_> {
         let images = driver.as_ref().map(Driver::images);
         let solids = scene.tables("obstacle");
         let obstacles = self.obstacles(&solids, driver.as_ref());
+        for (obstacle, solid) in obstacles.iter().zip(&solids) {
+            if surfaces.iter().any(|surface| surface.name == obstacle.name) {
+                let name = &obstacle.name;
+                let message = format!(
+                    "the obstacle has the name \"{name}\" of a surface: names have to differ, because interactions and \
+                     files use them"
+                );
+                self.contradiction(&solid.origin_of("name"), message);
+            }
+        }
         let relaxes = matches!(driver, Some(Driver::Relax(_)));
         let bodies = Bodies {
             names: Vec::from_iter(

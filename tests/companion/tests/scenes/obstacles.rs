@@ -65,6 +65,12 @@ fn interactions_with_obstacles_say_what_is_needed() {
         [20, 11],
         &["`between` cannot be \"rin\": did you mean `rim`?"],
     );
+    let same = PIPETTE.replace("\"rim\"", "\"cell\"");
+    let (_, message) = the_error(&with(&format!("{same}{STICKY}")));
+    assert!(
+        message.contains("the obstacle has the name \"cell\" of a surface"),
+        "{message}"
+    );
     let (_, message) = the_error(&with(
         &format!("{PIPETTE}{STICKY}").replace("distance = 0.1", "distance = 0.5"),
     ));
