@@ -8,6 +8,7 @@
 mod ground;
 mod passes;
 
+use crate::edit::Edited;
 use crate::element::Execution;
 use crate::face_tree::MeshPoint;
 use crate::mesh::TriangleMesh;
@@ -15,7 +16,6 @@ use crate::real::Real;
 use crate::self_crossing::crossing_triangles;
 use crate::smooth_surface::{SmoothPoint, SmoothSurface};
 use crate::surface::Surface;
-use alloc::vec;
 use alloc::vec::Vec;
 use ground::InputSurface;
 use passes::Remesher;
@@ -114,35 +114,28 @@ impl<T: Real> SmoothSurface<T> {
             state.widen_angles(T::constant(0.766));
             state.flip_to_delaunay();
         }
-        let edited = state.edited.clone().finish();
-        let (mesh, vertices) = (edited.mesh, edited.vertices);
-        let places = vertices.iter().map(|&vertex| state.places[vertex as usize]);
-        let mut flat = vec![false; vertices.len()];
-        let mut points = vec![SmoothPoint::default(); vertices.len()];
         let mut crossings = Vec::new();
         for _ in 0..RETREATS {
-            execution.map(&mut points[..], |index, point| {
-                *point = state.point(self, vertices[index], flat[index]);
-            });
-            let positions = Vec::from_iter(points.iter().map(|point| point.position));
-            crossings = crossing_triangles(Surface::of_checked(&mesh, &positions, None));
-            let before = flat.iter().filter(|&&flat| flat).count();
-            for &triangle in crossings.as_flattened() {
-                for corner in mesh.triangles()[triangle as usize] {
-                    flat[corner as usize] = true;
-                    for &other in mesh.one_ring(corner as usize) {
-                        flat[other as usize] = true;
-                    }
-                }
-            }
-            if flat.iter().filter(|&&flat| flat).count() == before {
+            state.settle(execution, self);
+            state.turn_back(self);
+            let edited = state.edited.clone().finish();
+            let used = edited.vertices.iter();
+            let positions = used.map(|&vertex| state.points[vertex as usize].position);
+            let positions = Vec::from_iter(positions);
+            crossings = crossing_triangles(Surface::of_checked(&edited.mesh, &positions, None));
+            let crossing = crossings.as_flattened().iter();
+            let corners = crossing.flat_map(|&triangle| edited.mesh.triangles()[triangle as usize]);
+            let crossing = corners.map(|corner| edited.vertices[corner as usize]);
+            if !state.retreat(crossing.chain(state.turned().into_iter().flatten())) {
                 break;
             }
         }
+        let Edited { mesh, vertices } = state.edited.clone().finish();
+        let used = || vertices.iter().map(|&vertex| vertex as usize);
         Some(Remeshed {
-            places: places.collect(),
             mesh,
-            points,
+            places: used().map(|vertex| state.places[vertex]).collect(),
+            points: used().map(|vertex| state.points[vertex]).collect(),
             crossings,
         })
     }

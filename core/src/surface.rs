@@ -6,7 +6,8 @@ use crate::points::Points;
 use crate::real::Real;
 use crate::reduction;
 use crate::triangle::Triangle;
-use crate::vec3::{self, Vec3, dot};
+use crate::vec3::{self, Vec3, add, dot, normalise, sub};
+use alloc::vec;
 use alloc::vec::Vec;
 
 /// A [`TriangleMesh`] with a position for each of its vertices: a view that is copied freely.
@@ -317,16 +318,46 @@ impl<'a, T: Real> Surface<'a, T> {
     }
 
     /// Edges at which the normals of the two triangles differ by more than this angle, in radians.
+    ///
+    /// A triangle lower than 1/5 of its longest edge whose normal differs by more than half this angle from those of all
+    /// its neighbours says nothing about the surface: instead of it count its other two neighbours, by their areas.
     pub fn creases(&self, angle: T) -> Vec<[u32; 2]> {
-        let edges = self.mesh.edges().iter().enumerate();
-        let is_crease = |edge: usize| {
+        const LOW: f64 = 0.2;
+        let half = angle / T::constant(2.0);
+        let normals = 0..self.mesh.triangles().len();
+        let normals = Vec::from_iter(normals.map(|triangle| self.triangle_normal(triangle)));
+        let sides = |edge: usize| {
             let (left, right) = self.mesh.edge_triangles(edge);
-            let right = right.map(|right| self.triangle_normal(right as usize));
-            right.is_some_and(|right| dot(self.triangle_normal(left as usize), right) < angle.cos())
+            right.map(|right| [left as usize, right as usize])
+        };
+        let edges = 0..self.mesh.edges().len();
+        let mut agrees = vec![false; normals.len()];
+        let mut around = vec![[T::zero(); 3]; normals.len()];
+        for [left, right] in edges.clone().filter_map(sides) {
+            let is_even = dot(normals[left], normals[right]) > half.cos();
+            for (here, beyond) in [(left, right), (right, left)] {
+                agrees[here] |= is_even;
+                around[here] = add(around[here], self.triangle(beyond).area_vector);
+            }
+        }
+        let side = |here: usize, beyond: usize| {
+            let triangle = self.triangle(here);
+            let squares = triangle.edges.map(|edge| dot(edge, edge));
+            let longest = squares.into_iter().fold(T::zero(), T::max);
+            if agrees[here] || triangle.doubled_area > T::constant(LOW) * longest {
+                normals[here]
+            } else {
+                normalise(sub(around[here], self.triangle(beyond).area_vector))
+            }
+        };
+        let is_crease = |&edge: &usize| {
+            sides(edge).is_some_and(|[left, right]| {
+                dot(side(left, right), side(right, left)) < angle.cos()
+            })
         };
         edges
-            .filter(|&(edge, _)| is_crease(edge))
-            .map(|(_, &ends)| ends)
+            .filter(is_crease)
+            .map(|edge| self.mesh.edges()[edge])
             .collect()
     }
 

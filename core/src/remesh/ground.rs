@@ -310,14 +310,17 @@ impl<'a, T: Real> InputSurface<'a, T> {
     }
 }
 
+/// Unit normals by N. Max, J. Graphics Tools 4(2), 1999: sums of area vectors over the squared lengths of the edges at
+/// the vertex. Weights by angles would take the normal of a sliver with an angle near π for that of the surface.
 fn vertex_normals<T: Real>(surface: Surface<'_, T>) -> Vec<Vec3<T>> {
     let mut normals = vec![[T::zero(); 3]; surface.positions().len()];
     for (triangle, corners) in surface.mesh().triangles().iter().enumerate() {
-        let angles = surface.triangle_angles(triangle);
-        let normal = surface.triangle_normal(triangle);
-        for (&corner, angle) in zip(corners, angles) {
+        let flat = surface.triangle(triangle);
+        let squares = flat.edges.map(|edge| dot(edge, edge));
+        for (k, &corner) in corners.iter().enumerate() {
+            let weight = (squares[(k + 1) % 3] * squares[(k + 2) % 3]).reciprocal_or_zero();
             let sum = &mut normals[corner as usize];
-            *sum = add(*sum, scale(angle, normal));
+            *sum = add(*sum, scale(weight, flat.area_vector));
         }
     }
     normals.into_iter().map(normalise).collect()

@@ -2,11 +2,13 @@
 
 use super::ground::{InputSurface, Sample, Spot};
 use crate::edit::{EditableMesh, Freedom};
+use crate::element::Execution;
 use crate::face_tree::MeshPoint;
 use crate::lane::Lane;
 use crate::real::Real;
 use crate::smooth_surface::{SmoothPoint, SmoothSurface};
 use crate::vec3::{Vec3, add, cross, dot, norm, normalise, scale, sub, tangent_frame};
+use alloc::vec;
 use alloc::vec::Vec;
 use core::iter::zip;
 
@@ -30,6 +32,12 @@ const OUTWARD: f64 = 0.5;
 
 /// The error bar of a position, in edges of the input, from which on the flat triangle is taken instead.
 const DOUBTFUL: f64 = 0.25;
+
+/// Most rounds of movements and flips for triangles that are turned against the input.
+const TURNS: usize = 8;
+
+/// The cosine of the smallest angle that a triangle may get by these: 3°.
+const NEEDLE: f64 = 0.9986;
 
 /// Eight directions.
 const COMPASS: [(f64, f64); 8] = {
@@ -78,6 +86,10 @@ pub(super) struct Remesher<'a, T> {
     spots: Vec<Spot<T>>,
     /// The input at these places.
     samples: Vec<Sample<T>>,
+    /// The points where they are put in the end.
+    pub(super) points: Vec<SmoothPoint<T>>,
+    /// Whether these are of the flat triangles.
+    is_flat: Vec<bool>,
     /// The factor of all sizes.
     factor: T,
 }
@@ -103,6 +115,8 @@ impl<'a, T: Real> Remesher<'a, T> {
             places: vertices.clone().map(place).collect(),
             spots: vertices.map(Spot::at_vertex).collect(),
             samples: ground.at_vertices(),
+            points: Vec::new(),
+            is_flat: Vec::new(),
             factor: T::one(),
             ground,
         }
@@ -110,15 +124,10 @@ impl<'a, T: Real> Remesher<'a, T> {
 
     /// The point of the smooth surface at a vertex; on a line the mean of those of its sides over the smooth line. Or the
     /// point of the flat triangle.
-    pub(super) fn point(
-        &self,
-        smooth: &SmoothSurface<T>,
-        vertex: u32,
-        flat: bool,
-    ) -> SmoothPoint<T> {
+    pub(super) fn point(&self, smooth: &SmoothSurface<T>, vertex: u32) -> SmoothPoint<T> {
         let spot = self.spots[vertex as usize];
         let place = self.places[vertex as usize];
-        if flat {
+        if self.is_flat[vertex as usize] {
             return smooth.flat_point(place, [T::zero(); 3]);
         }
         if self.edited.freedom(vertex) == Freedom::Free || spot.from == spot.to {
@@ -133,6 +142,122 @@ impl<'a, T: Real> Remesher<'a, T> {
             position: positions.fold([T::zero(); 3], add),
             ..sides[0]
         }
+    }
+
+    /// Puts the vertices on the smooth surface, or on the flat triangles.
+    pub(super) fn settle(&mut self, execution: &impl Execution, smooth: &SmoothSurface<T>) {
+        self.is_flat.resize(self.places.len(), false);
+        let mut points = vec![SmoothPoint::default(); self.places.len()];
+        execution.map(&mut points[..], |vertex, point| {
+            if self.edited.is_used(vertex as u32) {
+                *point = self.point(smooth, vertex as u32);
+            }
+        });
+        for (sample, point) in zip(&mut self.samples, &points) {
+            sample.position = point.position;
+        }
+        self.points = points;
+    }
+
+    /// Takes the flat triangles at vertices and their neighbours, and returns whether any of them was not there.
+    pub(super) fn retreat(&mut self, vertices: impl Iterator<Item = u32>) -> bool {
+        let mut any = false;
+        for vertex in vertices {
+            for near in self.edited.neighbours(vertex).chain([vertex]) {
+                any |= !core::mem::replace(&mut self.is_flat[near as usize], true);
+            }
+        }
+        any
+    }
+
+    /// Mends triangles that are turned against the input at their corners, as far as movements of these and flips can.
+    pub(super) fn turn_back(&mut self, smooth: &SmoothSurface<T>) {
+        for _ in 0..TURNS {
+            let turned = self.turned();
+            for &corners in &turned {
+                for vertex in corners {
+                    self.turn_back_at(smooth, vertex);
+                }
+                for k in 0..3 {
+                    self.flip_to_turn_back([corners[k], corners[(k + 1) % 3]]);
+                }
+            }
+            if turned.is_empty() {
+                break;
+            }
+        }
+    }
+
+    /// Moves a vertex in steps that make the least cosine of its triangles with the input larger.
+    fn turn_back_at(&mut self, smooth: &SmoothSurface<T>, vertex: u32) {
+        if self.edited.freedom(vertex) != Freedom::Free {
+            return;
+        }
+        let index = vertex as usize;
+        let axes = tangent_frame(self.samples[index].normal);
+        let mut step = T::constant(0.5) * self.factor * self.size(vertex);
+        let mut best = (self.places[index], self.points[index]);
+        let mut shape = self.shape(self.ring(vertex));
+        for _ in 0..6 {
+            let (start, here) = (best.0, best.1.position);
+            for (x, y) in COMPASS {
+                let [x, y] = [x, y].map(|part| T::constant(part) * step);
+                let target = add(here, add(scale(x, axes[0]), scale(y, axes[1])));
+                let point = self.put(smooth, vertex, self.ground.nearest(start, target));
+                let moved = self.shape(self.ring(vertex));
+                let limit = shape.cosine.max(T::constant(NEEDLE));
+                if moved.outward > shape.outward && moved.cosine <= limit {
+                    shape = moved;
+                    best = (self.places[index], point);
+                }
+            }
+            if best.0 == start {
+                step /= T::constant(2.0);
+            }
+        }
+        self.points[index] = self.put(smooth, vertex, best.0);
+    }
+
+    /// Moves a vertex to the point of the smooth surface over a place.
+    fn put(
+        &mut self,
+        smooth: &SmoothSurface<T>,
+        vertex: u32,
+        place: MeshPoint<T>,
+    ) -> SmoothPoint<T> {
+        self.set_place(vertex, place);
+        let point = self.point(smooth, vertex);
+        self.samples[vertex as usize].position = point.position;
+        point
+    }
+
+    /// Flips an edge if the least cosine of its triangles with the input becomes larger.
+    fn flip_to_turn_back(&mut self, [tail, head]: [u32; 2]) {
+        let Some(edge) = self.edited.half_edge(tail, head) else {
+            return;
+        };
+        let Some([a, b, c, d]) = self.corners_of_flip(edge) else {
+            return;
+        };
+        let before = self.shape([[a, b, c], [b, a, d]]);
+        let after = self.shape([[d, c, a], [c, d, b]]);
+        let limit = before.cosine.max(T::constant(NEEDLE));
+        if after.outward > before.outward && after.cosine <= limit {
+            // Refused where c and d are neighbours.
+            let _ = self.edited.flip(edge);
+        }
+    }
+
+    /// The corners of the triangles that are turned against the input there.
+    pub(super) fn turned(&self) -> Vec<[u32; 3]> {
+        let is_turned = |&corners: &[u32; 3]| {
+            let normals = corners.map(|corner| self.samples[corner as usize].normal);
+            let normal = normals.into_iter().fold([T::zero(); 3], add);
+            dot(self.area_vector(corners), normal) < T::zero()
+        };
+        let triangles = self.edited.triangles();
+        let triangles = triangles.map(|half_edge| self.edited.corners(half_edge));
+        triangles.filter(is_turned).collect()
     }
 
     /// Number of vertices in triangles.

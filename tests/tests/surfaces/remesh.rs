@@ -201,6 +201,90 @@ fn creases_stay_sharp() {
 
 /// Lengths of edges follow the sizes at the vertices of the input, and have them in the mean: without regard to the number of
 /// triangles, edges are a tenth too short.
+/// Triangles in a plane, one of which has the edge from vertex 0 to 1 as its long side, is as high as `low` and turned by
+/// an angle about that side; beyond the edge is a triangle with this apex.
+fn around_sliver(low: f64, angle: f64, beyond: [f64; 3]) -> Mesh {
+    let apex = [0.5, low * angle.cos(), low * angle.sin()];
+    Mesh {
+        positions: vec![
+            [0.0, 0.0, 0.0],
+            [1.0, 0.0, 0.0],
+            apex,
+            [0.5, 1.0, 0.0],
+            beyond,
+        ],
+        connectivity: TriangleMesh::new(5, vec![[0, 1, 2], [1, 3, 2], [3, 0, 2], [1, 0, 4]])
+            .expect("a mesh"),
+    }
+}
+
+/// A low triangle that stands out alone is no fold, and one that lies in a plane hides none.
+#[test]
+fn slivers_are_no_creases() {
+    let limit = 60_f64.to_radians();
+    let creases = |low: f64, degrees: f64, beyond: [f64; 3]| {
+        let mesh = around_sliver(low, degrees.to_radians(), beyond);
+        mesh.surface().creases(limit).len()
+    };
+    for low in [0.5, 0.1, 0.01] {
+        for degrees in [0.0, 10.0] {
+            assert_eq!(
+                creases(low, degrees, [0.5, 0.0, -1.0]),
+                1,
+                "{low} {degrees}"
+            );
+        }
+    }
+    // A high triangle in a plane has folds at its sides; of a low one, these are errors of its apex.
+    assert!(creases(0.5, 80.0, [0.5, -1.0, 0.0]) > 0);
+    assert_eq!(creases(0.01, 80.0, [0.5, -1.0, 0.0]), 0);
+    let mesh = sliver_ellipsoid(1000, 99, 0.3);
+    assert_eq!(mesh.surface().creases(limit), Vec::<[u32; 2]>::new());
+}
+
+/// A flat ellipsoid with triangles of all shapes, down to slivers that are turned by more than 60°.
+fn sliver_ellipsoid(vertices: usize, seed: u64, flat: f64) -> Mesh {
+    let shape: AnyShape = "sphere".parse().expect("a shape");
+    let generated = generate(&shape, Family::Hard, vertices, seed).expect("a mesh");
+    Mesh {
+        positions: Vec::from_iter(
+            generated
+                .positions
+                .iter()
+                .map(|&[x, y, z]| [x, y, flat * z]),
+        ),
+        connectivity: generated.mesh,
+    }
+}
+
+/// Slivers of the input leave no triangle whose normal points inwards, by the exact ellipsoid at its corners.
+#[test]
+fn no_triangle_is_turned() {
+    for (seed, flat) in [(0, 0.2), (3, 0.2), (16, 0.3), (19, 0.3)] {
+        let mesh = sliver_ellipsoid(400, seed, flat);
+        for lengths in [EdgeLengths::Uniform(1.0), EdgeLengths::ByCurvature(0.4)] {
+            let request = MeshRequest {
+                lengths,
+                vertices: None,
+                creases: 60_f64.to_radians(),
+                noise: OfNoise::Refused,
+            };
+            let remeshed = remeshed(mesh.surface(), &request, &mut |_| true);
+            let remeshed = remeshed.expect("a mesh").made;
+            let places = positions(&remeshed);
+            let surface = Surface::new(&remeshed.mesh, &places).expect("positions");
+            for (triangle, corners) in remeshed.mesh.triangles().iter().enumerate() {
+                let normal = surface.triangle_normal(triangle);
+                let outward = corners.map(|corner| {
+                    let [x, y, z] = places[corner as usize];
+                    dot(normal, [x, y, z / (flat * flat)])
+                });
+                assert!(outward.iter().sum::<f64>() > 0.0, "{seed}: {outward:?}");
+            }
+        }
+    }
+}
+
 #[test]
 fn edges_have_the_wanted_lengths() {
     let sphere = meshes::icosphere(4);
