@@ -1,7 +1,7 @@
 //! Images of surfaces in a periodic box.
 
 use crate::real::Real;
-use crate::vec3::{Vec3, add};
+use crate::vec3::{Vec3, add, sub};
 use alloc::vec::Vec;
 use core::ops::RangeInclusive;
 
@@ -140,6 +140,23 @@ impl<T: Real> NearImages<T> {
             return;
         }
         // Plain values: the number of periods has no derivative, even for dual numbers.
+        if (0..3).all(|axis| reach[axis] + reach[axis] < self.lengths[axis]) {
+            // At most the nearest image.
+            let half = T::constant(0.5);
+            let count = [0, 1, 2].map(|axis| {
+                let count = (from[axis] * self.over_periods[axis] + half).floor();
+                count.to_i64().unwrap_or(0)
+            });
+            let along = |axis: usize| {
+                let count = T::from_i64(count[axis]).unwrap_or_else(T::zero);
+                count * self.periods[axis]
+            };
+            let shift = [along(0), along(1), along(2)];
+            if (0..3).all(|axis| (from[axis] - shift[axis]).abs() <= reach[axis]) {
+                act(sub(apart, shift), count != [0; 3]);
+            }
+            return;
+        }
         let bounds = |axis: usize| {
             if self.lengths[axis].is_infinite() {
                 return if from[axis].abs() <= reach[axis] {

@@ -4,7 +4,7 @@ mod face;
 mod near;
 
 use super::Interaction;
-use super::cells::Cells;
+use super::cells::{Cells, Near, Sorted};
 use super::images::{Images, NearImages};
 use crate::element::{Corners, ElementKernel, Execution};
 use crate::lane::Lane;
@@ -59,12 +59,17 @@ pub struct RepulsionMemory<T> {
     bounds: Vec<Bounds<T>>,
     /// The widened boxes of other surfaces and of images that intersect the box of one surface.
     near: Vec<Bounds<T>>,
-    /// Sorted by cell, surface and vertex.
+    vertex_places: Sorted<T>,
+    face_places: Sorted<T>,
+    /// The triangles near the cells of vertices, and the vertices near those of triangles.
+    near_vertices: Vec<Near>,
+    near_faces: Vec<Near>,
+    /// In the order of their places.
     vertices: Vec<NearVertex<T>>,
-    /// Sorted by cell, surface and triangle.
     faces: Vec<NearFace<T>>,
-    /// Areas of one surface's vertices.
+    /// Areas of the vertices of all surfaces, and where those of each begin.
     areas: Vec<T>,
+    begins: Vec<usize>,
     /// Potential at each near vertex, and its part of minus the gradient.
     sums: Vec<[T; 4]>,
     /// Forces of near vertices on the corners of each near triangle.
@@ -95,9 +100,6 @@ impl<T: Real> Pairs<'_, T> {
     #[inline(always)]
     fn each_felt(&self, vertex: &NearVertex<T>, face: &NearFace<T>, mut act: impl FnMut(Felt<T>)) {
         let itself = vertex.surface == face.surface;
-        if itself && !self.repulsion.images.own {
-            return;
-        }
         let apart = sub(vertex.position, face.position);
         let apart = add(apart, sub(vertex.remainder, face.remainder));
         let (offset, reach) = (face.centre, face.reach);
@@ -149,6 +151,9 @@ impl<T: Real> Repulsion<T> {
             return (T::zero(), None);
         };
         let RepulsionMemory {
+            vertex_places,
+            face_places,
+            near_vertices,
             vertices,
             faces,
             sums,
@@ -159,14 +164,17 @@ impl<T: Real> Repulsion<T> {
         sums.resize(vertices.len(), [T::zero(); 4]);
         execution.map(&mut sums[..], |k, sum| {
             let vertex = &vertices[k];
-            pairs.cells.each_near(faces, vertex.cell, |face| {
-                pairs.each_felt(vertex, face, |felt| {
-                    let [x, y, z] = felt.force;
-                    for (sum, term) in sum.iter_mut().zip([felt.potential, x, y, z]) {
-                        *sum += term;
-                    }
+            let place = &vertex_places.places[k];
+            pairs
+                .cells
+                .each_near(face_places, near_vertices, place, |face| {
+                    pairs.each_felt(vertex, &faces[face], |felt| {
+                        let [x, y, z] = felt.force;
+                        for (sum, term) in sum.iter_mut().zip([felt.potential, x, y, z]) {
+                            *sum += term;
+                        }
+                    });
                 });
-            });
         });
         let energy = execution.sum(vertices.len(), |k| vertices[k].area * sums[k][0]);
         // Of surfaces that touch, infinite terms may have met with both signs.
@@ -192,6 +200,9 @@ impl<T: Real> Repulsion<T> {
     /// Sets `reactions`; each triangle visits its vertices.
     fn react(execution: &impl Execution, pairs: &Pairs<'_, T>, memory: &mut RepulsionMemory<T>) {
         let RepulsionMemory {
+            vertex_places,
+            face_places,
+            near_faces,
             vertices,
             faces,
             reactions,
@@ -202,13 +213,17 @@ impl<T: Real> Repulsion<T> {
         reactions.resize(faces.len(), [[T::zero(); 3]; 3]);
         execution.map(&mut reactions[..], |k, reaction| {
             let face = &faces[k];
-            pairs.cells.each_near(vertices, face.cell, |vertex| {
-                pairs.each_felt(vertex, face, |felt| {
-                    for (sum, force) in reaction.iter_mut().zip(felt.corners) {
-                        *sum = add(*sum, scale(vertex.area, force));
-                    }
+            let place = &face_places.places[k];
+            pairs
+                .cells
+                .each_near(vertex_places, near_faces, place, |vertex| {
+                    let vertex = &vertices[vertex];
+                    pairs.each_felt(vertex, face, |felt| {
+                        for (sum, force) in reaction.iter_mut().zip(felt.corners) {
+                            *sum = add(*sum, scale(vertex.area, force));
+                        }
+                    });
                 });
-            });
         });
     }
 }

@@ -5,7 +5,7 @@ use crate::real::Real;
 use crate::vec3::{Vec3, add, cross, dot, scale, sub};
 
 /// A triangle that may be near another surface, its lengths in units of the range.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Face<T> {
     /// Edges from the first corner to the other two.
     edges: [Vec3<T>; 2],

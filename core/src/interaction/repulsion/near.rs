@@ -1,6 +1,6 @@
 //! Vertices and triangles that may be near another surface.
 
-use super::super::cells::{Cell, Cells, InCell, MARGIN};
+use super::super::cells::{Cells, MARGIN, Near, Place};
 use super::super::images::NearImages;
 use super::face::Face;
 use super::{Pairs, Repulsion, RepulsionMemory};
@@ -11,13 +11,12 @@ use crate::mesh::{TriangleMesh, VertexKind};
 use crate::real::Real;
 use crate::surface::Surface;
 use crate::triangle::DualArea;
-use crate::vec3::{Vec3, scale};
+use crate::vec3::{Vec3, add, norm, scale, sub};
 use alloc::vec::Vec;
 
 /// A vertex that may be near another surface.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct NearVertex<T> {
-    pub(super) cell: Cell,
     pub(super) surface: u32,
     pub(super) vertex: u32,
     pub(super) area: T,
@@ -27,11 +26,9 @@ pub(super) struct NearVertex<T> {
 }
 
 /// A triangle that may be near another surface.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct NearFace<T> {
-    pub(super) cell: Cell,
     pub(super) surface: u32,
-    number: u32,
     pub(super) corners: [u32; 3],
     /// The first corner, and its remainder after rounding.
     pub(super) position: Vec3<T>,
@@ -41,18 +38,6 @@ pub(super) struct NearFace<T> {
     /// Half of the lengths of that box plus the range, with a margin for rounding.
     pub(super) reach: Vec3<T>,
     pub(super) triangle: Face<T>,
-}
-
-impl<T> InCell for NearVertex<T> {
-    fn cell(&self) -> Cell {
-        self.cell
-    }
-}
-
-impl<T> InCell for NearFace<T> {
-    fn cell(&self) -> Cell {
-        self.cell
-    }
 }
 
 /// A bounding box: lower and upper bounds.
@@ -84,85 +69,67 @@ fn is_boundary(mesh: &TriangleMesh, from: u32, to: u32) -> bool {
 }
 
 impl<T: Real> NearVertex<T> {
-    /// Adds the vertices of a surface that are in one of these boxes.
-    fn add(
-        vertices: &mut Vec<Self>,
-        number: usize,
-        surface: Surface<'_, T>,
-        areas: &[T],
-        near: &[Bounds<T>],
-    ) {
+    fn new(place: &Place<T>, surface: Surface<'_, T>, areas: &[T]) -> Self {
+        let vertex = place.number as usize;
         let remainders = surface.remainders();
-        for (vertex, &position) in surface.positions().iter().enumerate() {
-            if near.iter().any(|bounds| meet(bounds, &[position; 2])) {
-                vertices.push(Self {
-                    cell: [0; 3],
-                    surface: number as u32,
-                    vertex: vertex as u32,
-                    area: areas[vertex],
-                    position,
-                    remainder: remainders.map_or([T::zero(); 3], |all| all[vertex]),
-                });
-            }
+        Self {
+            surface: place.surface,
+            vertex: place.number,
+            area: areas[vertex],
+            position: surface.positions()[vertex],
+            remainder: remainders.map_or([T::zero(); 3], |all| all[vertex]),
         }
     }
 }
 
-impl<T: Real> NearFace<T> {
-    /// Adds the triangles of a surface that intersect one of these boxes.
-    fn add(
-        faces: &mut Vec<Self>,
-        number: usize,
-        surface: Surface<'_, T>,
-        range: T,
-        near: &[Bounds<T>],
-    ) {
-        let (zero, half) = (T::zero(), T::constant(0.5));
-        let over_range = range.reciprocal_or_zero();
-        let wider = T::constant(1.0 + MARGIN);
-        let mesh = surface.mesh();
-        let remainders = surface.remainders();
-        for (triangle, &corners) in mesh.triangles().iter().enumerate() {
-            let places = corners.map(|corner| surface.positions()[corner as usize]);
-            let bounds = around_all(places.into_iter());
-            if !near.iter().any(|other| meet(&bounds, other)) {
-                continue;
-            }
-            let [first, second, third] = corners;
-            let edges = [second, third].map(|corner| surface.difference(first, corner));
-            let [low, high] = around_all([[zero; 3], edges[0], edges[1]].into_iter());
-            let side = |k: usize| {
-                let boundary = is_boundary(mesh, corners[k], corners[(k + 1) % 3]);
-                if boundary { zero } else { half }
-            };
-            let corner = |vertex: u32| match mesh.vertex_kind(vertex as usize) {
-                VertexKind::Interior => {
-                    let valence = T::from_usize(mesh.valence(vertex as usize));
-                    valence.map_or(zero, T::recip)
-                }
-                _ => zero,
-            };
-            faces.push(Self {
-                cell: [0; 3],
-                surface: number as u32,
-                number: triangle as u32,
-                corners,
-                position: places[0],
-                remainder: remainders.map_or([zero; 3], |all| all[first as usize]),
-                centre: [0, 1, 2].map(|axis| half * (low[axis] + high[axis])),
-                reach: [0, 1, 2].map(|axis| wider * (half * (high[axis] - low[axis]) + range)),
-                triangle: Face::new(
-                    edges.map(|edge| scale(over_range, edge)),
-                    [side(0), side(1), side(2)],
-                    corners.map(corner),
-                ),
-            });
-        }
-    }
+/// The edges of a triangle from its first corner, the middle of its bounding box relative to that corner, and half of the
+/// lengths of that box plus the range, with a margin for rounding.
+fn boxed<T: Real>(
+    surface: Surface<'_, T>,
+    corners: [u32; 3],
+    range: T,
+) -> ([Vec3<T>; 2], [Vec3<T>; 2]) {
+    let (half, wider) = (T::constant(0.5), T::constant(1.0 + MARGIN));
+    let [first, second, third] = corners;
+    let edges = [second, third].map(|corner| surface.difference(first, corner));
+    let [low, high] = around_all([[T::zero(); 3], edges[0], edges[1]].into_iter());
+    let centre = [0, 1, 2].map(|axis| half * (low[axis] + high[axis]));
+    let reach = [0, 1, 2].map(|axis| wider * (half * (high[axis] - low[axis]) + range));
+    (edges, [centre, reach])
+}
 
-    /// Its position, up to rounding.
-    fn middle(&self) -> Vec3<T> {
-        [0, 1, 2].map(|axis| self.position[axis] + self.centre[axis])
+impl<T: Real> NearFace<T> {
+    fn new(place: &Place<T>, surface: Surface<'_, T>, range: T) -> Self {
+        let (zero, half) = (T::zero(), T::constant(0.5));
+        let mesh = surface.mesh();
+        let corners = mesh.triangles()[place.number as usize];
+        let (edges, [centre, reach]) = boxed(surface, corners, range);
+        let over_range = range.reciprocal_or_zero();
+        let side = |k: usize| {
+            let boundary = is_boundary(mesh, corners[k], corners[(k + 1) % 3]);
+            if boundary { zero } else { half }
+        };
+        let corner = |vertex: u32| match mesh.vertex_kind(vertex as usize) {
+            VertexKind::Interior => {
+                let valence = T::from_usize(mesh.valence(vertex as usize));
+                valence.map_or(zero, T::recip)
+            }
+            _ => zero,
+        };
+        let first = corners[0] as usize;
+        Self {
+            surface: place.surface,
+            corners,
+            position: surface.positions()[first],
+            remainder: surface.remainders().map_or([zero; 3], |all| all[first]),
+            centre,
+            reach,
+            triangle: Face::new(
+                edges.map(|edge| scale(over_range, edge)),
+                [side(0), side(1), side(2)],
+                corners.map(corner),
+            ),
+        }
     }
 }
 
@@ -181,65 +148,132 @@ impl<T: Real> Repulsion<T> {
             near,
             vertices,
             faces,
+            vertex_places,
+            face_places,
+            near_vertices,
+            near_faces,
             areas,
+            begins,
             ..
         } = memory;
         vertices.clear();
         faces.clear();
+        vertex_places.clear();
+        face_places.clear();
         bounds.clear();
+        areas.clear();
+        begins.clear();
         let over_range = self.over_range();
         if over_range == T::zero() {
             return None;
         }
-        let width = self.range * T::constant(1.0 + MARGIN);
+        let within = self.range * T::constant(1.0 + MARGIN);
+        let mut width = within;
         bounds.extend(
             surfaces
                 .iter()
                 .map(|surface| around_all(surface.positions().iter().copied())),
         );
         for (a, surface) in surfaces.iter().enumerate() {
+            let begin = areas.len();
+            begins.push(begin);
+            areas.resize(begin + surface.positions().len(), T::zero());
             near.clear();
+            let mut own = false;
             for b in (0..surfaces.len()).filter(|&b| a != b || self.images.own) {
                 let [low, high] = bounds[b];
-                let widened = [low.map(|x| x - width), high.map(|x| x + width)];
+                let widened = [low.map(|x| x - within), high.map(|x| x + within)];
+                let before = near.len();
                 self.images.add_meeting(widened, bounds[a], a == b, near);
+                own |= a == b && near.len() > before;
             }
             if near.is_empty() {
                 continue;
             }
-            let count = surface.positions().len();
-            if areas.len() < count {
-                areas.resize(count, T::zero());
-            }
-            let areas = &mut areas[..count];
-            Cotangent::new(DualArea::Barycentric).dual_areas(execution, *surface, areas);
-            NearVertex::add(vertices, a, *surface, areas, near);
-            NearFace::add(faces, a, *surface, self.range, near);
+            let dual = Cotangent::new(DualArea::Barycentric);
+            dual.dual_areas(execution, *surface, &mut areas[begin..]);
+            let number = a as u32;
+            let places = [&mut vertex_places.places, &mut face_places.places];
+            width = width.max(self.add_places(number, *surface, own, near, places));
         }
-        if vertices.is_empty() || faces.is_empty() {
+        if vertex_places.places.is_empty() || face_places.places.is_empty() {
             return None;
         }
-        let reach = faces.iter().flat_map(|face| face.reach);
-        let reach = reach.fold(T::zero(), T::max);
-        let points = vertices.iter().map(|vertex| vertex.position);
+        let both = vertex_places.places.iter().chain(&face_places.places);
         let cells = Cells::new(
             &self.images,
-            reach,
-            around_all(points.chain(faces.iter().map(NearFace::middle))),
+            width,
+            around_all(both.map(|place| place.middle)),
         );
-        for vertex in &mut *vertices {
-            vertex.cell = cells.cell(vertex.position);
-        }
-        for face in &mut *faces {
-            face.cell = cells.cell(face.middle());
-        }
-        vertices.sort_unstable_by_key(|near| (near.cell, near.surface, near.vertex));
-        faces.sort_unstable_by_key(|near| (near.cell, near.surface, near.number));
+        vertex_places.sort(&cells);
+        face_places.sort(&cells);
+        near_vertices.resize(vertex_places.cells.len(), Near::default());
+        execution.map(&mut near_vertices[..], |k, near| {
+            *near = cells.near(face_places, vertex_places.cells[k]);
+        });
+        near_faces.resize(face_places.cells.len(), Near::default());
+        execution.map(&mut near_faces[..], |k, near| {
+            *near = cells.near(vertex_places, face_places.cells[k]);
+        });
+        vertices.resize(vertex_places.places.len(), NearVertex::default());
+        execution.map(&mut vertices[..], |k, vertex| {
+            let place = &vertex_places.places[k];
+            let number = place.surface as usize;
+            *vertex = NearVertex::new(place, surfaces[number], &areas[begins[number]..]);
+        });
+        faces.resize(face_places.places.len(), NearFace::default());
+        execution.map(&mut faces[..], |k, face| {
+            let place = &face_places.places[k];
+            *face = NearFace::new(place, surfaces[place.surface as usize], self.range);
+        });
         Some(Pairs {
             repulsion: self,
             over_range,
             cells,
             images: NearImages::new(&self.images),
         })
+    }
+
+    /// Adds the vertices and triangles of a surface that are near some boxes, and returns the width that cells need at least
+    /// for these.
+    fn add_places(
+        &self,
+        surface_number: u32,
+        surface: Surface<'_, T>,
+        own: bool,
+        near: &[Bounds<T>],
+        [vertices, faces]: [&mut Vec<Place<T>>; 2],
+    ) -> T {
+        let zero = T::zero();
+        let is_near = |bounds: &Bounds<T>| near.iter().any(|other| meet(bounds, other));
+        let place = |number: usize, middle, reach| Place {
+            cell: 0,
+            occupied: 0,
+            surface: surface_number,
+            number: number as u32,
+            own,
+            middle,
+            reach,
+        };
+        let positions = surface.positions();
+        for (vertex, &position) in positions.iter().enumerate() {
+            if is_near(&[position; 2]) {
+                vertices.push(place(vertex, position, zero));
+            }
+        }
+        let mut width = zero;
+        for (triangle, &corners) in surface.mesh().triangles().iter().enumerate() {
+            let places = corners.map(|corner| positions[corner as usize]);
+            if is_near(&around_all(places.into_iter())) {
+                let (edges, [centre, sides]) = boxed(surface, corners, self.range);
+                let middle = add(places[0], centre);
+                let farthest = [[zero; 3], edges[0], edges[1]].map(|to| norm(sub(to, centre)));
+                let farthest = farthest.into_iter().fold(zero, T::max);
+                let reach = T::constant(1.0 + MARGIN) * (farthest + self.range);
+                width = sides.into_iter().fold(width, T::max);
+                faces.push(place(triangle, middle, reach));
+            }
+        }
+        width
     }
 }
