@@ -5,24 +5,24 @@
 //! rounding, and the driver restores quantities that are held exactly. All depends on positions alone, so that a
 //! continued run repeats its events bit for bit.
 
+mod event;
+mod meshes;
+mod parting;
+mod wanted;
+
+pub use event::Remeshing;
+
 use super::RunError;
-use super::curved::Curved;
 use super::deformed::smallest_angle;
 use super::drive::Drive;
-use super::measure::{HeldExtents, extents};
-use crate::held::{Geometry, Quantity, keep_volumes, keep_volumes_on};
-use crate::io::ColumnPlace;
-use crate::method::{BendingMethod, Evaluator};
-use crate::parting::{Break, parted};
-use crate::remesh::{
-    EdgeLengths, MeshRequest, NewMesh, OfNoise, RemeshError, carried, in_order_of_components,
-    old_triangles, remeshed,
-};
-use crate::scene::{Driver, HeldTargets, Remesh, Scene, SurfaceScene, Topology};
+use crate::remesh::RemeshError;
+use crate::scene::{HeldTargets, Scene, Topology};
 use crate::simulation::{Body, BodyMesh, Simulation};
-use helfrich::{AnyFunctional, MaterialParameter, Surface, Targets, TriangleMesh};
+use event::measured;
+use helfrich::{Targets, TriangleMesh};
+use meshes::{holds_triangles, new_mesh, same_mesh};
 use serde::{Deserialize, Serialize};
-use std::f64::consts::PI;
+use wanted::Wanted;
 
 /// The smallest angle, in degrees, below which a mesh is replaced. New meshes have 35 to 42.
 const WORN: f64 = 26.0;
@@ -51,29 +51,6 @@ const MEASURED: u64 = 50;
 
 /// The columns of a surface with this key.
 pub(super) const COLUMNS: [&str; 3] = ["vertices", "remeshings", "remeshing_energy"];
-
-/// One new mesh of a surface.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Remeshing {
-    /// The surface's name.
-    pub surface: String,
-    /// Iteration or time.
-    pub at: f64,
-    /// The change of its topology, if it has changed.
-    pub broke: Option<Break>,
-    /// Numbers of vertices before and after.
-    pub vertices: [usize; 2],
-    /// Numbers of vertices minus edges plus triangles before and after: 2 for a sphere.
-    pub euler_number: [i64; 2],
-    /// Smallest angles before and after, in degrees.
-    pub smallest_angle: [f64; 2],
-    /// Energies of all effects before and after.
-    pub energy: [f64; 2],
-    /// Areas before and after, as in the series.
-    pub area: [f64; 2],
-    /// Enclosed volumes before and after, as in the series; null for open surfaces.
-    pub volume: [f64; 2],
-}
 
 /// The present mesh of a surface that has had events, as a checkpoint stores it.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -130,71 +107,6 @@ pub(super) struct Remesher {
     topologies: Vec<Option<Topology>>,
     state: RemeshingState,
 }
-
-/// The edges of a surface, and its mesh at the start.
-#[derive(Clone, Copy, Debug)]
-struct Wanted {
-    edges: Remesh,
-    vertices: usize,
-    area: f64,
-    /// Whether exactly held areas and volumes are those of the smooth surface. Those of flat triangles depend on the mesh
-    /// to second order in the edges, and a surface with few of them would get another shape with another mesh.
-    smooth: bool,
-}
-
-impl Wanted {
-    /// The number of vertices that a surface of this area is to have; NaN if it depends on more than the area.
-    fn vertices_of(self, area: f64) -> f64 {
-        match self.edges {
-            Remesh::Auto => self.vertices as f64 * area / self.area,
-            Remesh::Vertices(count) => count as f64,
-            // Each vertex of equilateral triangles has the area √3/2 l².
-            Remesh::Edge(length) => 2.0 / 3.0_f64.sqrt() * area / (length * length),
-            Remesh::Curvature(_) | Remesh::Error(_) => f64::NAN,
-        }
-    }
-
-    /// The largest angle between neighbouring triangles, in degrees, if lengths depend on curvature, and the angle by which
-    /// an edge is to turn at most; along a curve, neighbours of equilateral triangles turn by 1/√3 of what an edge does.
-    fn turn(self, surface: Surface<'_, f64>) -> Option<[f64; 2]> {
-        let Remesh::Curvature(angle) = self.edges else {
-            return None;
-        };
-        let mesh = surface.mesh();
-        let turns = (0..mesh.edges().len()).filter_map(|edge| {
-            let (left, right) = mesh.edge_triangles(edge);
-            let [left, right] = [left, right?].map(|triangle| {
-                glam::DVec3::from_array(surface.triangle_normal(triangle as usize))
-            });
-            Some(left.cross(right).length().atan2(left.dot(right)))
-        });
-        Some([turns.fold(0.0, f64::max).to_degrees(), angle])
-    }
-
-    fn request(self, area: f64) -> MeshRequest {
-        MeshRequest {
-            lengths: match self.edges {
-                // Relative to each other.
-                Remesh::Auto | Remesh::Vertices(_) => EdgeLengths::Uniform(1.0),
-                Remesh::Edge(length) => EdgeLengths::Uniform(length),
-                Remesh::Curvature(angle) => EdgeLengths::ByCurvature(angle.to_radians()),
-                Remesh::Error(part) => EdgeLengths::ByError(part),
-            },
-            vertices: match self.edges {
-                Remesh::Auto | Remesh::Vertices(_) => {
-                    Some((self.vertices_of(area).round() as usize).max(FEWEST))
-                }
-                Remesh::Edge(_) | Remesh::Curvature(_) | Remesh::Error(_) => None,
-            },
-            // A membrane that bends has none, and narrow triangles are no reason to keep some.
-            creases: PI,
-            noise: OfNoise::Kept,
-        }
-    }
-}
-
-/// Fewest vertices of a new mesh: those of an icosahedron.
-const FEWEST: usize = 12;
 
 impl Remesher {
     /// The new meshes of a run that begins here.
@@ -432,91 +344,6 @@ impl Remesher {
         Ok(Ok(()))
     }
 
-    /// Parts each surface that may break, where it is thin enough, at one place; true if a surface has parted.
-    pub(super) fn part(
-        &mut self,
-        scene: &Scene,
-        simulation: &mut Simulation,
-        drive: &mut dyn Drive,
-    ) -> Result<bool, RunError> {
-        let mut changed = false;
-        for index in 0..self.topologies.len() {
-            let Some(topology) = self.topologies[index] else {
-                continue;
-            };
-            let (mark, before) = (drive.mark(), drive.positions().to_vec());
-            let body = &simulation.bodies()[index];
-            let Some(surface) = body.surface(&before) else {
-                continue;
-            };
-            let radius = match topology {
-                Topology::MayBreak => mean_edge(surface),
-                Topology::Radius(radius) => radius,
-            };
-            let Some(mut parts) = parted(surface, radius) else {
-                continue;
-            };
-            // Positions between others are finite.
-            let Ok(flat) = Surface::new(&parts.mesh, &parts.flat) else {
-                continue;
-            };
-            if let Err(error) = keep_volumes(flat, &mut parts.positions) {
-                self.note(index, simulation, drive, &error.to_string());
-                continue;
-            }
-            let geometry = scene.surfaces[index].effects.geometry(&scene.driver);
-            let (components, _) = body.mesh().components();
-            let columns = body.columns().iter().map(|column| {
-                let old = match column.place {
-                    ColumnPlace::Triangles => &parts.triangles,
-                    ColumnPlace::Vertices => &parts.vertices,
-                };
-                old.iter().map(|&old| column.values[old as usize]).collect()
-            });
-            let columns = columns.collect();
-            let Ok(own) = Surface::new(&parts.mesh, &parts.positions) else {
-                continue;
-            };
-            let (groups, count) = parts.mesh.components();
-            let mut parents = vec![0; count];
-            for (&group, &old) in groups.iter().zip(&parts.vertices) {
-                parents[group as usize] = components[old as usize];
-            }
-            let targets = body.targets().iter();
-            let targets = Vec::from_iter(targets.map(|held| held.of_parts(&parents, own)));
-            let values = targets.iter().map(|held| match &held.targets {
-                Targets::Same(target) => vec![*target; count],
-                Targets::PerComponent(targets) => targets.clone(),
-            });
-            let values = values.collect();
-            let ratios = match self.wanted[index] {
-                Some(wanted) if wanted.smooth => ratios_to_flat(own),
-                _ => Vec::new(),
-            };
-            let measured = measured(simulation, index, geometry, &before);
-            let made = BodyMesh {
-                columns,
-                ratios,
-                mesh: parts.mesh,
-                positions: parts.positions,
-            };
-            if let Err(error) = self.install(index, scene, simulation, drive, made, targets)? {
-                self.note(index, simulation, drive, &error);
-                continue;
-            }
-            changed = true;
-            let state = &mut self.state.surfaces[index];
-            // Caps are uneven.
-            state.limit = WORN;
-            state.targets = Some(values);
-            let after = self::measured(simulation, index, geometry, drive.positions());
-            let name = &scene.surfaces[index].name;
-            let event = Remeshing::of(name, mark.time, Some(parts.change), [measured, after]);
-            self.state.events.push(event);
-        }
-        Ok(changed)
-    }
-
     /// Whether it is time to [measure](Self::measure).
     pub(super) fn measures(&self, drive: &dyn Drive) -> bool {
         let number = drive.mark().number;
@@ -608,163 +435,7 @@ impl Remesher {
     }
 }
 
-/// The mean length of the edges of a surface.
-fn mean_edge(surface: Surface<'_, f64>) -> f64 {
-    let edges = surface.mesh().edges();
-    let lengths = edges.iter().map(|&[from, to]| {
-        let [x, y, z] = surface.difference(from, to);
-        x.hypot(y).hypot(z)
-    });
-    lengths.sum::<f64>() / edges.len() as f64
-}
-
 /// The present targets of a surface.
 fn body_targets(simulation: &Simulation, index: usize) -> Vec<HeldTargets> {
     simulation.bodies()[index].targets().to_vec()
-}
-
-impl Remeshing {
-    fn of(name: &str, at: f64, broke: Option<Break>, measures: [SurfaceMeasures; 2]) -> Self {
-        Self {
-            surface: name.to_owned(),
-            at,
-            broke,
-            vertices: measures.each_ref().map(|own| own.vertices),
-            euler_number: measures.each_ref().map(|own| own.euler_number),
-            smallest_angle: measures.each_ref().map(|own| own.angle),
-            energy: measures.each_ref().map(|own| own.energy),
-            area: measures.each_ref().map(|own| own.area),
-            volume: measures.each_ref().map(|own| own.volume),
-        }
-    }
-}
-
-/// Measures of a surface before or after an event.
-struct SurfaceMeasures {
-    vertices: usize,
-    euler_number: i64,
-    angle: f64,
-    energy: f64,
-    area: f64,
-    volume: f64,
-}
-
-fn measured(
-    simulation: &mut Simulation,
-    index: usize,
-    geometry: Geometry,
-    positions: &[[f64; 3]],
-) -> SurfaceMeasures {
-    let acting = simulation.resolve(positions);
-    let body = &simulation.bodies()[index];
-    let surface = body.surface(positions);
-    let mut held = HeldExtents::new(body, geometry);
-    let extents = surface.map(|surface| extents(surface, held.as_mut()));
-    let [area, volume] = extents.unwrap_or([f64::NAN; 2]);
-    SurfaceMeasures {
-        vertices: body.mesh().vertex_count(),
-        euler_number: body.mesh().euler_characteristic(),
-        angle: surface.map_or(f64::NAN, smallest_angle),
-        energy: acting.iter().map(|acting| acting.energy).sum(),
-        area,
-        volume,
-    }
-}
-
-/// A new mesh of a surface, with its columns. Its closed components have their volumes.
-fn new_mesh(
-    wanted: Wanted,
-    body: &Body,
-    surface: Surface<'_, f64>,
-    interrupted: &dyn Fn() -> bool,
-) -> Result<BodyMesh, RemeshError> {
-    let request = wanted.request(surface.area());
-    let NewMesh {
-        smooth, mut made, ..
-    } = remeshed(surface, &request, &mut |_| !interrupted())?;
-    in_order_of_components(surface.mesh(), &mut made);
-    let mut positions = Vec::from_iter(made.points.iter().map(|point| point.position));
-    keep_volumes_on(surface, &made.mesh, &mut positions)?;
-    let columns = body.columns();
-    let fields = columns.iter();
-    let fields = fields.filter(|column| column.place == ColumnPlace::Vertices);
-    let fields = Vec::from_iter(fields.map(|column| &column.values[..]));
-    let mut fields = carried(&smooth, &made.places, &fields).into_iter();
-    let triangles = old_triangles(&made);
-    let columns = columns.iter().map(|column| match column.place {
-        ColumnPlace::Triangles => triangles.iter().map(|&old| column.values[old]).collect(),
-        ColumnPlace::Vertices => {
-            // Parameters stay within their range, in which methods have been checked.
-            let (low, high) = range(&column.values);
-            let values = fields.next().unwrap_or_default().into_iter();
-            values.map(|value| value.clamp(low, high)).collect()
-        }
-    });
-    let columns = columns.collect();
-    let ratios = match Surface::new(&made.mesh, &positions) {
-        Ok(new) if wanted.smooth => ratios_to_flat(new),
-        _ => Vec::new(),
-    };
-    Ok(BodyMesh {
-        mesh: made.mesh,
-        positions,
-        columns,
-        ratios,
-    })
-}
-
-/// The mesh that a surface has, with its present ratios to flat triangles.
-fn same_mesh(body: &Body, own: Surface<'_, f64>) -> BodyMesh {
-    let columns = body.columns().iter();
-    BodyMesh {
-        mesh: body.mesh().clone(),
-        positions: own.positions().to_vec(),
-        columns: columns.map(|column| column.values.clone()).collect(),
-        ratios: ratios_to_flat(own),
-    }
-}
-
-/// Area and volume of each component of the curved surface through the vertices, by the normals of jets of degree 6, over
-/// those of its flat triangles; 1 where jets or flat triangles do not measure them.
-fn ratios_to_flat(surface: Surface<'_, f64>) -> Vec<[f64; 2]> {
-    let mesh = surface.mesh();
-    let (groups, count) = mesh.components();
-    let fields = Evaluator::new(BendingMethod::J6, 1.0, mesh).fields(surface);
-    // H is not needed for these.
-    let mean = vec![0.0; mesh.vertex_count()];
-    let none = [0.0; 2].map(MaterialParameter::Constant);
-    let curved = Curved::new(surface, &fields.normal, &mean, none).integrals(&groups, count);
-    let flat = [AnyFunctional::Area, AnyFunctional::Volume];
-    let flat = flat.map(|of| Quantity::new(of, mesh).values(surface).to_vec());
-    let ratio = |curved: f64, flat: f64| {
-        let ratio = curved / flat;
-        if ratio.is_finite() { ratio } else { 1.0 }
-    };
-    let parts = curved.iter().enumerate();
-    let parts = parts.map(|(at, curved)| {
-        [
-            ratio(curved.area, flat[0][at]),
-            ratio(curved.volume, flat[1][at]),
-        ]
-    });
-    parts.collect()
-}
-
-/// Whether area or volume of flat triangles are held exactly.
-fn holds_triangles(surface: &SurfaceScene, driver: &Driver) -> bool {
-    let effects = &surface.effects;
-    let geometry = effects.geometry(driver);
-    let area = effects.area.is_some_and(|area| area.hold.is_exact());
-    let volume = effects.volume.is_some_and(|volume| volume.hold.is_exact());
-    let is_flat = [geometry.area, geometry.volume] == [AnyFunctional::Area, AnyFunctional::Volume];
-    matches!(driver, Driver::Relax(_)) && is_flat && (area || volume)
-}
-
-/// The least and the largest of some numbers.
-fn range(values: &[f64]) -> (f64, f64) {
-    let start = (f64::INFINITY, f64::NEG_INFINITY);
-    let values = values.iter();
-    values.fold(start, |(low, high), &value| {
-        (low.min(value), high.max(value))
-    })
 }
