@@ -91,41 +91,50 @@ impl Solids {
     /// counter-clockwise seen from outside, whatever the sense of rotation of the cells. Corners that a face names
     /// more than once count once.
     pub(super) fn outer_faces(&self, positions: &[[f64; 3]]) -> Vec<(usize, Vec<u32>)> {
-        let all = self.cells.iter().flat_map(|&(solid, number, first)| {
-            let own = &self.corners[first..][..solid.corners()];
-            let faces = solid.faces();
-            let is_reversed = volume(faces, own, positions) < 0.0;
-            faces.iter().map(move |face| {
-                let mut corners = Vec::from_iter(face.iter().map(|&place| own[place]));
-                if is_reversed {
-                    corners.reverse();
+        let mut corners = Vec::new();
+        let mut faces = Vec::new();
+        for (cell, (solid, ..)) in self.cells.iter().enumerate() {
+            for face in 0..solid.faces().len() {
+                self.name_corners([cell, face], &mut corners);
+                if corners.len() > 2 {
+                    // Faces have three or four corners.
+                    let mut key = [u32::MAX; 4];
+                    key[..corners.len()].copy_from_slice(&corners);
+                    key.sort_unstable();
+                    faces.push((key, cell as u32, face as u8));
                 }
-                corners.dedup();
-                if corners.len() > 1 && corners.first() == corners.last() {
-                    corners.pop();
-                }
-                (number, corners)
-            })
-        });
-        let all = Vec::from_iter(all.filter(|(_, corners)| corners.len() > 2));
-        let mut keys = Vec::from_iter(all.iter().enumerate().map(|(place, (_, corners))| {
-            // Faces have three or four corners.
-            let mut key = [u32::MAX; 4];
-            key[..corners.len()].copy_from_slice(corners);
-            key.sort_unstable();
-            (key, place)
-        }));
-        keys.sort_unstable();
-        let mut is_outer = vec![false; all.len()];
-        for same in keys.chunk_by(|a, b| a.0 == b.0) {
-            if let [(_, place)] = same {
-                is_outer[*place] = true;
             }
         }
-        let faces = all.into_iter().zip(is_outer);
-        faces
-            .filter_map(|(face, outer)| outer.then_some(face))
-            .collect()
+        faces.sort_unstable();
+        let same = faces.chunk_by(|a, b| a.0 == b.0);
+        let outer = same.filter_map(|same| match same {
+            [(_, cell, face)] => Some([*cell as usize, usize::from(*face)]),
+            _ => None,
+        });
+        let mut outer = Vec::from_iter(outer);
+        outer.sort_unstable();
+        let turned = outer.into_iter().map(|[cell, face]| {
+            let (solid, number, first) = self.cells[cell];
+            let own = &self.corners[first..][..solid.corners()];
+            self.name_corners([cell, face], &mut corners);
+            if volume(solid.faces(), own, positions) < 0.0 {
+                corners.reverse();
+            }
+            (number, corners.clone())
+        });
+        turned.collect()
+    }
+
+    /// Lists the corners of a face, those that it names more than once once.
+    fn name_corners(&self, [cell, face]: [usize; 2], corners: &mut Vec<u32>) {
+        let (solid, _, first) = self.cells[cell];
+        corners.clear();
+        let places = solid.faces()[face].iter();
+        corners.extend(places.map(|&place| self.corners[first + place]));
+        corners.dedup();
+        if corners.len() > 1 && corners.first() == corners.last() {
+            corners.pop();
+        }
     }
 }
 
