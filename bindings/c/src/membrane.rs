@@ -294,9 +294,12 @@ fn resolve<N: Number>(
         finite("energies", "effect", energies.iter().copied(), 1)?;
     }
     if let Some(forces) = forces {
-        let all = acting.iter().flat_map(|acting| &acting.force);
-        for (place, force) in forces.iter_mut().zip(all) {
-            *place = force.map(N::nearest);
+        forces.fill([N::nearest(0.0); 3]);
+        let rows = forces.chunks_exact_mut(count.max(1));
+        for (rows, acting) in rows.zip(&acting) {
+            for (place, force) in rows[acting.vertices.clone()].iter_mut().zip(&acting.force) {
+                *place = force.map(N::nearest);
+            }
         }
         finite("forces", "row", forces.as_flattened().iter().copied(), 3)?;
     }

@@ -48,24 +48,56 @@ impl Inside {
     }
 }
 
+/// A surface with its bounding box, which is computed once for many others.
+#[derive(Clone, Copy, Debug)]
+pub struct Bounded<'a> {
+    surface: Surface<'a, f64>,
+    low: DVec3,
+    high: DVec3,
+}
+
+impl<'a> From<Surface<'a, f64>> for Bounded<'a> {
+    fn from(surface: Surface<'a, f64>) -> Self {
+        let [low, high] = corners_of(surface.positions().iter().copied());
+        Self { surface, low, high }
+    }
+}
+
+impl<'a> Bounded<'a> {
+    /// The surface.
+    pub fn surface(&self) -> Surface<'a, f64> {
+        self.surface
+    }
+
+    /// As [`encloses`], faster where a plane separates the point from the surface.
+    fn encloses(&self, point: DVec3) -> bool {
+        if !(point.cmpge(self.low).all() && point.cmple(self.high).all()) {
+            return false;
+        }
+        let outwards = point - (self.low + self.high) / 2.0;
+        let positions = self.surface.positions().iter();
+        let mut beyond = positions.map(|&vertex| (DVec3::from(vertex) - point).dot(outwards));
+        beyond.any(|distance| distance >= 0.0) && encloses(self.surface, point.into())
+    }
+}
+
 /// The first vertex of one surface that is inside another, and the number of such vertices; `None` if there
 /// is none.
 pub fn vertices_inside(inner: Surface<'_, f64>, outer: Surface<'_, f64>) -> Option<(usize, usize)> {
-    let found = shifted_inside(inner, outer, corners(outer), [0.0; 3])?;
+    let found = shifted_inside(inner, &outer.into(), [0.0; 3])?;
     Some((found.first, found.count))
 }
 
 /// Vertices of one surface inside another surface and its images in a periodic box, with an entry for
 /// each image that contains some.
 pub fn inside_of_images(
-    inner: Surface<'_, f64>,
-    outer: Surface<'_, f64>,
+    inner: &Bounded<'_>,
+    outer: &Bounded<'_>,
     images: &Images<f64>,
 ) -> Vec<Inside> {
-    let [low, high] = corners(inner);
-    let [outer_low, outer_high] = corners(outer);
     let along = |axis: usize| {
-        let [low, high] = [outer_low[axis] - high[axis], outer_high[axis] - low[axis]];
+        let low = outer.low[axis] - inner.high[axis];
+        let high = outer.high[axis] - inner.low[axis];
         let period = images.period(axis).unwrap_or_default();
         let shifts = images.shifts(axis, low, high).into_iter();
         let counts = shifts.flat_map(|[first, last]| first as i64..=last as i64);
@@ -73,15 +105,14 @@ pub fn inside_of_images(
     };
     let plane = along(0).flat_map(|x| along(1).map(move |y| [x, y]));
     let shifts = plane.flat_map(|[x, y]| along(2).map(move |z| [x, y, z]));
-    let corners = [outer_low, outer_high];
     shifts
-        .filter_map(|shift| shifted_inside(inner, outer, corners, shift))
+        .filter_map(|shift| shifted_inside(inner.surface, outer, shift))
         .collect()
 }
 
 /// Vertices of a surface inside its own images in a periodic box, with an entry for each image that
 /// contains some.
-pub fn inside_of_own_images(surface: Surface<'_, f64>, images: &Images<f64>) -> Vec<Inside> {
+pub fn inside_of_own_images(surface: &Bounded<'_>, images: &Images<f64>) -> Vec<Inside> {
     let mut found = Vec::new();
     if images.is_periodic() {
         found = inside_of_images(surface, surface, images);
@@ -90,18 +121,10 @@ pub fn inside_of_own_images(surface: Surface<'_, f64>, images: &Images<f64>) -> 
     found
 }
 
-/// Vertices of a surface that are inside another one after a translation by `shift`; `low` and `high` are the
-/// corners of the other's bounding box.
-fn shifted_inside(
-    inner: Surface<'_, f64>,
-    outer: Surface<'_, f64>,
-    [low, high]: [DVec3; 2],
-    shift: [f64; 3],
-) -> Option<Inside> {
-    let in_the_box = |point: &DVec3| point.cmpge(low).all() && point.cmple(high).all();
+/// Vertices of a surface that are inside another one after a translation by `shift`.
+fn shifted_inside(inner: Surface<'_, f64>, outer: &Bounded<'_>, shift: [f64; 3]) -> Option<Inside> {
     let mut inside = (0..inner.positions().len()).filter(|&vertex| {
-        let point = DVec3::from(inner.positions()[vertex]) + DVec3::from(shift);
-        in_the_box(&point) && encloses(outer, point.into())
+        outer.encloses(DVec3::from(inner.positions()[vertex]) + DVec3::from(shift))
     });
     let first = inside.next()?;
     Some(Inside {
@@ -109,11 +132,6 @@ fn shifted_inside(
         count: 1 + inside.count(),
         shift,
     })
-}
-
-/// Opposite corners of the bounding box of a surface.
-fn corners(surface: Surface<'_, f64>) -> [DVec3; 2] {
-    corners_of(surface.positions().iter().copied())
 }
 
 /// Opposite corners of the bounding box of some points.
@@ -127,11 +145,12 @@ pub(crate) fn corners_of(points: impl IntoIterator<Item = [f64; 3]>) -> [DVec3; 
 
 /// For each surface, the innermost surface that contains all of it, directly or through an image.
 pub fn surroundings(surfaces: &[Surface<'_, f64>], images: &Images<f64>) -> Vec<Option<usize>> {
+    let surfaces = Vec::from_iter(surfaces.iter().copied().map(Bounded::from));
     let lies_in = |inner: usize, outer: usize| {
-        let all = surfaces[inner].positions().len();
+        let all = surfaces[inner].surface.positions().len();
         let is_whole = |inside: &Inside| inside.count == all;
         inner != outer
-            && inside_of_images(surfaces[inner], surfaces[outer], images)
+            && inside_of_images(&surfaces[inner], &surfaces[outer], images)
                 .iter()
                 .any(is_whole)
     };

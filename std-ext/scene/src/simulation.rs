@@ -114,8 +114,20 @@ pub struct Acting {
     pub between: bool,
     /// Its energy; for a method in strong form, its quadrature of the energy.
     pub energy: f64,
-    /// Its nodal forces on all surfaces.
+    /// The vertices on which it acts: those of its surface, or all of them.
+    pub vertices: Range<usize>,
+    /// Its nodal forces on these.
     pub force: Vec<[f64; 3]>,
+}
+
+impl Acting {
+    /// Its nodal forces on a surface; none if it acts on another one.
+    pub fn on(&self, body: &Body) -> &[[f64; 3]] {
+        let Range { start, end } = body.vertices();
+        let own = self.vertices.contains(&start) && end <= self.vertices.end;
+        let own = own.then(|| start - self.vertices.start..end - self.vertices.start);
+        own.map_or(&[], |own| &self.force[own])
+    }
 }
 
 /// The cost of an effect so far.
@@ -328,31 +340,31 @@ impl Simulation {
     pub fn resolve(&mut self, positions: &[[f64; 3]]) -> Vec<Acting> {
         let names = self.effect_names();
         let mut acting = Vec::with_capacity(names.len());
-        let mut add = |between: bool, energy: f64, force: Vec<[f64; 3]>| {
+        let mut add = |between: bool, energy: f64, vertices: Range<usize>, force| {
             acting.push(Acting {
                 effect: names[acting.len()].clone(),
                 between,
                 energy,
+                vertices,
                 force,
             });
         };
         for body in &mut self.bodies {
             for index in 0..body.acts.effects.len() {
-                let mut force = vec![[0.0; 3]; positions.len()];
-                let own = &mut force[body.vertices.clone()];
-                let energy = body.add_forces(positions, own, |acts, surface, own| {
+                let mut force = vec![[0.0; 3]; body.vertices.len()];
+                let energy = body.add_forces(positions, &mut force, |acts, surface, own| {
                     acts.effects[index].add_force_uncounted(surface, own)
                 });
                 let Some(energy) = energy else {
                     return Vec::new();
                 };
-                add(false, energy, force);
+                add(false, energy, body.vertices.clone(), force);
             }
         }
         for between in &mut self.between {
             let mut force = vec![[0.0; 3]; positions.len()];
             match between.add_force(&self.bodies, &self.obstacles, positions, &mut force) {
-                Some(energy) => add(true, energy, force),
+                Some(energy) => add(true, energy, 0..positions.len(), force),
                 None => return Vec::new(),
             }
         }

@@ -130,27 +130,20 @@ fn an_evaluation_is_the_sum_of_what_each_effect_does() {
         .iter()
         .fold(0.0_f64, |m, x| m.max(x.abs()));
     for (entry, &found) in force.as_flattened().iter().enumerate() {
-        let parts = acting
-            .iter()
-            .map(|acting| acting.force.as_flattened()[entry]);
+        let parts = acting.iter().map(|acting| {
+            let own = entry.checked_sub(3 * acting.vertices.start);
+            let own = own.and_then(|own| acting.force.as_flattened().get(own));
+            own.copied().unwrap_or(0.0)
+        });
         tolerance::SAME.assert(found, parts.sum(), largest, "F");
     }
     // Each effect acts on its own surfaces only.
-    let second = simulation.bodies()[1].vertices();
-    assert!(
-        acting[0].force[second.clone()]
-            .iter()
-            .flatten()
-            .all(|&x| x == 0.0)
-    );
-    assert!(
-        acting[1].force[..second.start]
-            .iter()
-            .flatten()
-            .all(|&x| x == 0.0)
-    );
+    let [first, second] = [0, 1].map(|body| &simulation.bodies()[body]);
+    assert!(acting[0].on(second).is_empty() && acting[1].on(first).is_empty());
+    assert_eq!(acting[0].on(first).len(), 642);
+    assert_eq!(acting[1].on(second).len(), 162);
     let pushes = |range: &[[f64; 3]]| range.iter().map(|force| force[2]).sum::<f64>();
-    let (lower, upper) = acting[3].force.split_at(second.start);
+    let [lower, upper] = [first, second].map(|body| acting[3].on(body));
     assert!(pushes(upper) > 0.0 && acting[3].energy > 0.0);
     tolerance::SAME.assert(pushes(lower), -pushes(upper), pushes(upper), "push");
 }

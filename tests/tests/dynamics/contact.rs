@@ -180,7 +180,7 @@ fn a_symmetric_row_is_not_pushed() {
         let repulsion = acting.last().expect("the repulsion");
         assert!(repulsion.between && repulsion.energy > 0.0);
         for body in simulation.bodies() {
-            let force = &repulsion.force[body.vertices()];
+            let force = repulsion.on(body);
             let net = [0, 1, 2].map(|axis| force.iter().map(|f| f[axis]).sum::<f64>());
             let scale = force.iter().map(|&f| norm(f)).sum::<f64>();
             assert!(scale > 0.0);

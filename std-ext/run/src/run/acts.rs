@@ -21,7 +21,7 @@ pub(super) fn refuse_idle(
         };
         let label = simulation.label("bending", body);
         let own = acting.iter().find(|acting| acting.effect == label);
-        let idle = own.is_some_and(|acting| is_idle(&acting.force[body.vertices()]));
+        let idle = own.is_some_and(|acting| is_idle(acting.on(body)));
         if idle && let Some(at) = body.surface(positions) {
             let mut evaluator =
                 Evaluator::new(bending.method, bending.modulus.largest(), body.mesh());

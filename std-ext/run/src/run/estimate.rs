@@ -237,7 +237,7 @@ impl Estimating<'_> {
         let acting = own.map(|(acting, ..)| acting);
         let mut sum = vec![[0.0; 3]; self.at.mesh().vertex_count()];
         for acting in acting.chain(self.between.iter().copied()) {
-            for (sum, force) in sum.iter_mut().zip(&acting.force[self.body.vertices()]) {
+            for (sum, force) in sum.iter_mut().zip(acting.on(self.body)) {
                 *sum = std::array::from_fn(|axis| sum[axis] + force[axis]);
             }
         }

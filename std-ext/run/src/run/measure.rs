@@ -270,7 +270,7 @@ pub(super) fn fields(
         let Some(acting) = acting.iter().find(|acting| acting.effect == label) else {
             continue;
         };
-        let force = &acting.force[body.vertices()];
+        let force = acting.on(body);
         if name == Bending::NAME {
             let density = |(force, vertex): (&[f64; 3], &Curvature<f64>)| {
                 let over = if vertex.area > 0.0 {
@@ -286,7 +286,7 @@ pub(super) fn fields(
         fields.push((format!("force_{name}"), Values::Vectors(force.to_vec())));
     }
     for acting in acting.iter().filter(|acting| acting.between) {
-        let force = acting.force[body.vertices()].to_vec();
+        let force = acting.on(body).to_vec();
         fields.push((format!("force_{}", acting.effect), Values::Vectors(force)));
     }
     fields

@@ -6,6 +6,7 @@ use super::placed::{Placed, scale_to_volume};
 use super::{Acts, Body, Obstacle, Repulsions, Simulation};
 use crate::dynamics::{Held, Membrane, Motion};
 use crate::effect::Lumping;
+use crate::enclosure::Bounded;
 use crate::execute::Parallel;
 use crate::info::MeshInfo;
 use crate::io::Column;
@@ -66,19 +67,18 @@ pub fn build(file: &SceneFile) -> Result<(Simulation, Vec<[f64; 3]>), BuildError
         positions.extend(start.positions);
         bodies.push(body);
     }
-    for (index, body) in bodies.iter().enumerate() {
-        for (other, second) in bodies
-            .iter()
-            .enumerate()
-            .filter(|(other, _)| *other != index)
-        {
-            let surfaces = body.surface(&positions).zip(second.surface(&positions));
-            if let Some((surface, second)) = surfaces {
-                warnings.extend(file.check_outside([index, other], surface, second));
-            }
+    let bounded = bodies.iter().enumerate();
+    let bounded = bounded.filter_map(|(index, body)| {
+        let surface = body.surface(&positions)?;
+        Some((index, Bounded::from(surface)))
+    });
+    let bounded = Vec::from_iter(bounded);
+    for (index, surface) in &bounded {
+        for (other, second) in bounded.iter().filter(|(other, _)| other != index) {
+            warnings.extend(file.check_outside([*index, *other], surface, second));
         }
     }
-    let obstacles = obstacles(file, &bodies, &positions, &mut files, &mut warnings)?;
+    let obstacles = obstacles(file, &bounded, &mut files, &mut warnings)?;
     let images = scene.driver.images();
     let between = scene.interactions.iter();
     let relaxes = matches!(scene.driver, scene::Driver::Relax(_));
@@ -104,8 +104,7 @@ pub fn build(file: &SceneFile) -> Result<(Simulation, Vec<[f64; 3]>), BuildError
 /// The obstacles, where they stand, and doubts about them.
 fn obstacles(
     file: &SceneFile,
-    bodies: &[Body],
-    positions: &[[f64; 3]],
+    bodies: &[(usize, Bounded<'_>)],
     files: &mut MeshFiles,
     warnings: &mut Vec<SceneError>,
 ) -> Result<Vec<Obstacle>, BuildError> {
@@ -129,10 +128,9 @@ fn obstacles(
         let info = MeshInfo::new(surface);
         file.check_obstacle(index, &info)?;
         warnings.extend(file.obstacle_warning(index, &info));
-        for (number, body) in bodies.iter().enumerate() {
-            if let Some(body) = body.surface(positions) {
-                file.check_apart([number, index], body, surface)?;
-            }
+        let bounded = Bounded::from(surface);
+        for (number, body) in bodies {
+            file.check_apart([*number, index], body, &bounded)?;
         }
         obstacles.push(Obstacle {
             name: obstacle.name.clone(),

@@ -1,7 +1,7 @@
 //! Surfaces that have entered each other.
 
 use super::Simulation;
-use crate::enclosure::{Inside, inside_of_images, inside_of_own_images};
+use crate::enclosure::{Bounded, Inside, inside_of_images, inside_of_own_images};
 use helfrich::Surface;
 
 /// A surface that has entered another one, an obstacle, or its own image: part of it is inside. A
@@ -22,27 +22,27 @@ impl Simulation {
     pub fn crossings(&self, positions: &[[f64; 3]]) -> Vec<Crossing> {
         let surfaces = self.bodies.iter().filter_map(|body| {
             let surface = body.surface(positions)?;
-            Some((body.name(), surface))
+            Some((body.name(), Bounded::from(surface)))
         });
         let surfaces = Vec::from_iter(surfaces);
         let obstacles = self.obstacles.iter().filter_map(|obstacle| {
             let surface = Surface::new(&obstacle.mesh, &obstacle.positions).ok()?;
-            Some((obstacle.name.as_str(), surface))
+            Some((obstacle.name.as_str(), Bounded::from(surface)))
         });
         let others = Vec::from_iter(surfaces.iter().copied().chain(obstacles));
         let mut crossings = Vec::new();
-        for (number, &(name, surface)) in surfaces.iter().enumerate() {
+        for (number, (name, surface)) in surfaces.iter().enumerate() {
             let mut add = |into: Option<&str>, found: Vec<Inside>| {
-                let vertices = surface.positions().len();
+                let vertices = surface.surface().positions().len();
                 let crossing = found.into_iter().find(|inside| inside.count < vertices);
                 crossings.extend(crossing.map(|inside| Crossing {
-                    surface: name.to_owned(),
+                    surface: (*name).to_owned(),
                     into: into.map(str::to_owned),
                     inside,
                 }));
             };
             for (_, (other, around)) in others.iter().enumerate().filter(|(k, _)| *k != number) {
-                let found = inside_of_images(surface, *around, &self.images);
+                let found = inside_of_images(surface, around, &self.images);
                 add(Some(other), found);
             }
             add(None, inside_of_own_images(surface, &self.images));

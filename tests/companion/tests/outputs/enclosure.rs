@@ -38,6 +38,29 @@ fn closed_surfaces_enclose_what_is_inside() {
     assert_eq!(vertices_inside(mesh.surface(), within.surface()), None);
 }
 
+/// Vertices are inside of a bowl or not as each point alone is, in its hollow, too.
+#[test]
+fn vertices_are_inside_as_points_are() {
+    let bowl = icosphere(3).map(|[x, y, z]| [x, y, 0.3 * z + 0.8 * (x * x + y * y)]);
+    let mut random = SplitMix64::new(7);
+    let mut found = [0; 3];
+    for _ in 0..60 {
+        let at = [0; 3].map(|_| 0.9 * random.symmetric());
+        let small = icosphere(1).map(|x| [0, 1, 2].map(|axis| at[axis] + 0.2 * x[axis]));
+        let places = small.positions.iter().enumerate();
+        let inside = places.filter(|(_, point)| encloses(bowl.surface(), **point));
+        let inside = Vec::from_iter(inside.map(|(vertex, _)| vertex));
+        let expected = inside.first().map(|&first| (first, inside.len()));
+        assert_eq!(vertices_inside(small.surface(), bowl.surface()), expected);
+        found[if inside.is_empty() {
+            0
+        } else {
+            1 + usize::from(inside.len() == 42)
+        }] += 1;
+    }
+    assert!(found.iter().all(|&count| count > 0), "{found:?}");
+}
+
 /// Each surface is assigned to the innermost closed surface around it, whatever their order; a surface that
 /// intersects another lies in none.
 #[test]
@@ -115,32 +138,36 @@ fn images_enclose_as_surfaces_do() {
     let at =
         |place: [f64; 3]| icosphere(1).map(|x| [0, 1, 2].map(|axis| 0.5 * x[axis] + place[axis]));
     let direct = at([1.0, 0.25, 0.0]);
-    let direct = inside_of_images(direct.surface(), sphere.surface(), &images);
+    let direct = inside_of_images(&direct.surface().into(), &sphere.surface().into(), &images);
     let [expected] = direct.try_into().expect("one");
     assert!(!expected.is_by_image() && expected.count < 42);
     for shift in [[4.0, 0.0, 0.0], [-8.0, 0.0, 3.0], [0.0, 0.0, -300.0]] {
         let moved = at([1.0 + shift[0], 0.25, shift[2]]);
-        let found = inside_of_images(moved.surface(), sphere.surface(), &images);
+        let found = inside_of_images(&moved.surface().into(), &sphere.surface().into(), &images);
         let shift = shift.map(|length| 0.0 - length);
         assert_eq!(found, [Inside { shift, ..expected }]);
     }
     // There is no period along y.
     let beside = at([1.0, 4.25, 0.0]);
-    let found = inside_of_images(beside.surface(), sphere.surface(), &images);
+    let found = inside_of_images(&beside.surface().into(), &sphere.surface().into(), &images);
     assert_eq!(found, []);
     // Half of the surface lies in one image, half in the next.
     let touching = Images {
         periods: [2.0, 0.0, 0.0],
         own: false,
     };
-    let found = inside_of_images(at([1.0, 0.0, 0.0]).surface(), sphere.surface(), &touching);
+    let found = inside_of_images(
+        &at([1.0, 0.0, 0.0]).surface().into(),
+        &sphere.surface().into(),
+        &touching,
+    );
     assert_eq!(
         Vec::from_iter(found.iter().map(|inside| inside.shift[0])),
         [-2.0, 0.0]
     );
-    assert_eq!(inside_of_own_images(sphere.surface(), &images), []);
+    assert_eq!(inside_of_own_images(&sphere.surface().into(), &images), []);
     let long = sphere.map(|[x, y, z]| [2.2 * x, y, z]);
-    let found = inside_of_own_images(long.surface(), &images);
+    let found = inside_of_own_images(&long.surface().into(), &images);
     assert_eq!(
         Vec::from_iter(found.iter().map(|inside| inside.shift[0])),
         [-4.0, 4.0]

@@ -1,8 +1,7 @@
 //! Checks for surfaces and obstacles that overlap at the start.
 
-use crate::enclosure::{Inside, inside_of_images};
+use crate::enclosure::{Bounded, Inside, inside_of_images};
 use crate::scene::{SceneError, SceneErrors, SceneFile};
-use helfrich::Surface;
 
 impl SceneFile {
     /// Checks that a surface and an obstacle, with their images, are outside each other at the
@@ -13,8 +12,8 @@ impl SceneFile {
     pub fn check_apart(
         &self,
         [surface, obstacle]: [usize; 2],
-        body: Surface<'_, f64>,
-        solid: Surface<'_, f64>,
+        body: &Bounded<'_>,
+        solid: &Bounded<'_>,
     ) -> Result<(), SceneErrors> {
         let names = (
             self.scene.surfaces.get(surface).map(|scene| &scene.name),
@@ -50,13 +49,13 @@ impl SceneFile {
     pub fn check_outside(
         &self,
         [index, other]: [usize; 2],
-        inner: Surface<'_, f64>,
-        outer: Surface<'_, f64>,
+        inner: &Bounded<'_>,
+        outer: &Bounded<'_>,
     ) -> Option<SceneError> {
         let [scene, around] = [index, other].map(|number| self.scene.surfaces.get(number));
         let (name, around_name) = (&scene?.name, &around?.name);
         let found = inside_of_images(inner, outer, &self.scene.driver.images());
-        let is_across = |inside: &&Inside| inside.count < inner.positions().len();
+        let is_across = |inside: &&Inside| inside.count < inner.surface().positions().len();
         let inside = found.iter().find(is_across)?;
         let message = format!(
             "\"{name}\" starts across \"{around_name}\", with {} vertices inside of it, {} the first{}: \

@@ -59,7 +59,7 @@ pub(super) fn of_effects(method: BendingMethod) -> Made<f64> {
     for acting in acting {
         let [mut force, mut torque] = [DVec3::ZERO; 2];
         let [mut forces, mut torques] = [0.0; 2];
-        for (&position, &part) in positions.iter().zip(&acting.force) {
+        for (&position, &part) in positions[acting.vertices].iter().zip(&acting.force) {
             let (position, part) = (DVec3::from(position), DVec3::from(part));
             force += part;
             torque += position.cross(part);
