@@ -65,6 +65,7 @@ use remeshing::{Remesher, RemeshingState};
 use serde::{Deserialize, Serialize};
 use start::drive;
 use state::DriveState;
+use std::collections::HashSet;
 use std::path::Path;
 use std::time::Instant;
 pub use summary::{End, Summary};
@@ -255,7 +256,8 @@ fn plan<'a>(
     }
     let mut columns = measures.columns(&*drive, simulation);
     columns.extend(Run::probe_columns(scene));
-    let repeated = (1..columns.len()).find(|&at| columns[..at].contains(&columns[at]));
+    let mut seen = HashSet::new();
+    let repeated = columns.iter().position(|column| !seen.insert(column));
     if let Some(at) = repeated {
         let column = columns.swap_remove(at);
         return Err(RunError::RepeatedColumn { column });
@@ -337,9 +339,16 @@ impl Run<'_> {
                     }
                 } else {
                     step = self.drive.worn_out(&mut self.simulation);
-                    step.end = step
-                        .end
-                        .map(|(end, why)| (end, format!("mesh worn out: {why}")));
+                    step.end = step.end.map(|(end, why)| {
+                        let why = match self.remesher.renews(worn) {
+                            true => {
+                                let body = &self.simulation.bodies()[worn];
+                                self.remesher.folded(body, &*self.drive)
+                            }
+                            false => format!("mesh worn out: {why}"),
+                        };
+                        (end, why)
+                    });
                 }
             }
             if matches!(step.end, Some((End::Converged, _))) && self.measure()? {

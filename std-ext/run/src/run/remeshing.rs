@@ -359,12 +359,16 @@ impl Remesher {
             ..
         } = Some(last).filter(|event| event.broke.is_none())?;
         (*angle < HOPELESS).then(|| {
-            format!(
-                "mesh worn out at {}: a new mesh of \"{surface}\" has an angle of {angle:.1}°, because edges are as long as \
-                 the surface is thick, as at a neck: choose more vertices, `remesh.curvature`, or `topology` if it may part there",
-                drive.caption()
-            )
+            let what = format!("a new mesh of \"{surface}\" has an angle of {angle:.1}°");
+            worn_out(drive, &what)
         })
+    }
+
+    /// The reason why the run cannot go on with a surface whose triangles fold although it gets new meshes.
+    pub(super) fn folded(&self, body: &Body, drive: &dyn Drive) -> String {
+        let name = body.name();
+        let what = format!("triangles of \"{name}\" fold, and a new mesh does not help");
+        worn_out(drive, &what)
     }
 
     /// Measures anew how much more than its flat triangles the smooth surface has; false if that is as it was, to
@@ -433,6 +437,14 @@ impl Remesher {
             self.state.notes.push(note);
         }
     }
+}
+
+fn worn_out(drive: &dyn Drive, what: &str) -> String {
+    format!(
+        "mesh worn out at {}: {what}, because edges are as long as the surface is thick, as at a neck: choose more \
+         vertices, `remesh.curvature`, or `topology` if it may part there",
+        drive.caption()
+    )
 }
 
 /// The present targets of a surface.
