@@ -203,7 +203,7 @@ impl<T: Real> Evaluator<T> {
     }
 
     /// Findings about the last evaluation, which must have been for this surface, including noise
-    /// of its positions, with a flag for each vertex: see [`Prepared::quality`].
+    /// of its positions, with a flag for each vertex: see [`quality`](helfrich::Prepared::quality).
     pub fn quality(&self, surface: Surface<'_, T>) -> Quality
     where
         T: Evaluated,
