@@ -28,7 +28,7 @@ fn joined([x, y, z]: [i64; 3]) -> Cell {
 /// period.
 pub(super) type Near = [[u32; 2]; 18];
 
-/// What a search looks at of an item of a cell.
+/// The part of an item of a cell that a search looks at.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place<T> {
     pub(super) cell: Cell,
