@@ -18,7 +18,7 @@ mod strong_form;
 mod surface_point;
 
 pub use crate::hinge::{Hinge, HingeMemory, Hinges, OverHinges};
-pub(crate) use area_vectors::AreaVectors;
+pub(crate) use area_vectors::{AreaVectorForce, AreaVectors};
 pub use galerkin::{Galerkin, GalerkinMemory, PatchFunctional, PatchFunctionalMemory};
 pub use gompper_kroll::{GompperKroll, GompperKrollMemory};
 pub use hamann::{Hamann, HamannMemory};

@@ -107,6 +107,7 @@ fn repulsion<N: Number>(
         modulus: in_range("modulus", modulus, true)?,
         range,
         attraction: 0.0,
+        parts: false,
         images: Images { periods, own: true },
     };
     let mut meshes = Vec::with_capacity(handles.len());

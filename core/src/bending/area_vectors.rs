@@ -40,7 +40,7 @@ impl<T: Real> ElementKernel<T, 3, 0, 4> for AreaVectors {
 
 /// Forces by the change of these sums: from −∂E/∂(2N), N the area vectors around a vertex, and
 /// −∂E/∂A, A a third of the triangles around it.
-pub(super) struct AreaVectorForce;
+pub(crate) struct AreaVectorForce;
 
 impl<T: Real> ElementKernel<T, 3, 4, 3> for AreaVectorForce {
     /// With g the sum of the corners' −∂E/∂(2N): `g × e_k`, because moving corner k by δ changes the

@@ -37,7 +37,7 @@ pub(super) struct Place<T> {
     pub(super) surface: u32,
     /// The number of the item in its surface.
     pub(super) number: u32,
-    /// Whether images of its surface may be near it.
+    /// Whether its surface, by its parts or images, may be near it.
     pub(super) own: bool,
     /// The middle of the item; once it is sorted, within the first period.
     pub(super) middle: Vec3<T>,

@@ -6,13 +6,14 @@ mod near;
 use super::Interaction;
 use super::cells::{Cells, Near, Sorted};
 use super::images::{Images, NearImages};
-use crate::element::{Corners, ElementKernel, Execution};
+use crate::bending::AreaVectorForce;
+use crate::element::Execution;
 use crate::lane::Lane;
 use crate::real::Real;
 use crate::surface::Surface;
-use crate::vec3::{Vec3, add, scale, sub};
+use crate::vec3::{Vec3, add, dot, scale, sub};
 use alloc::vec::Vec;
-use face::Felt;
+use face::{Everywhere, Facing, Felt};
 use near::{Bounds, NearFace, NearVertex};
 
 /// Short-range repulsion of different surfaces: a pressure between them that grows without bound as
@@ -34,8 +35,13 @@ use near::{Bounds, NearFace, NearVertex};
 /// for their sides and added for their corners, each with its own nearest point. By Euler's
 /// formula, a point that is nearest for several of these counts once, and forces are continuous
 /// when the nearest point changes. Areas are those of the current surfaces, and the force is the
-/// exact gradient, including that of the areas. Both sides of a surface repel, and nothing acts
-/// between parts of the same surface.
+/// exact gradient, including that of the areas. Both sides of a surface repel.
+///
+/// Parts of one surface act on each other if [`Self::parts`] is set, where they face each other: each term is multiplied by a
+/// smooth function of the angle between the vertex normal and the direction to the nearest point, 1 up to 30° and 0 from 60°
+/// on. Two sheets meet along their normals, so that this is a barrier, and neighbours along the surface feel nothing: on a
+/// smooth surface, wherever the range is below its radius of curvature. Each of two sheets has the energy that it would have
+/// near another surface.
 ///
 /// In a periodic box surfaces act on other surfaces and all their images, and on their own images
 /// if [`Images::own`] is set. All images within the range count. In a box shorter than the range a
@@ -49,6 +55,8 @@ pub struct Repulsion<T> {
     pub range: T,
     /// c, a number: 0 for repulsion alone.
     pub attraction: T,
+    /// Whether parts of one surface, connected or not, act on each other.
+    pub parts: bool,
     /// The periodic box, if there is one.
     pub images: Images<T>,
 }
@@ -70,12 +78,15 @@ pub struct RepulsionMemory<T> {
     /// Areas of the vertices of all surfaces, and where those of each begin.
     areas: Vec<T>,
     begins: Vec<usize>,
-    /// Potential at each near vertex, and its part of minus the gradient.
-    sums: Vec<[T; 4]>,
+    /// Twice the area vectors of one surface's vertices; unit normals N/|N| of all and 1/|2N|, where parts act.
+    doubled: Vec<[T; 4]>,
+    normals: Vec<[T; 4]>,
+    /// Potential at each near vertex, its part of minus the gradient, and its turn.
+    sums: Vec<[T; 7]>,
     /// Forces of near vertices on the corners of each near triangle.
     reactions: Vec<[Vec3<T>; 3]>,
-    /// −∂E/∂A of one surface's vertices.
-    weights: Vec<[T; 1]>,
+    /// −∂E/∂(2N) and −∂E/∂A of one surface's vertices.
+    weights: Vec<[T; 4]>,
 }
 
 impl<T> RepulsionMemory<T> {
@@ -105,15 +116,19 @@ impl<T: Real> Pairs<'_, T> {
         let (offset, reach) = (face.centre, face.reach);
         self.images
             .each_within(apart, offset, reach, |apart, is_another| {
-                if itself && !is_another {
-                    return;
-                }
-                if let Some(felt) = face
-                    .triangle
-                    .felt(scale(self.over_range, apart), self.repulsion.attraction)
-                {
-                    act(felt);
-                }
+                let Repulsion {
+                    attraction, parts, ..
+                } = *self.repulsion;
+                let apart = scale(self.over_range, apart);
+                let felt = if !itself || is_another {
+                    face.triangle.felt(apart, attraction, Everywhere)
+                } else if parts && !face.corners.contains(&vertex.vertex) {
+                    let sight = Facing(vertex.normal);
+                    face.triangle.felt(apart, attraction, sight)
+                } else {
+                    None
+                };
+                felt.into_iter().for_each(&mut act);
             });
     }
 }
@@ -130,6 +145,7 @@ impl<T: Real> Repulsion<T> {
             modulus: T::constant(12.0) * energy * rest * rest / (inside * inside),
             range,
             attraction: (one + two * rest) / (three * rest * rest),
+            parts: false,
             images: Images::none(),
         }
     }
@@ -161,7 +177,7 @@ impl<T: Real> Repulsion<T> {
         } = memory;
         let (vertices, faces) = (vertices.as_slice(), faces.as_slice());
         sums.clear();
-        sums.resize(vertices.len(), [T::zero(); 4]);
+        sums.resize(vertices.len(), [T::zero(); 7]);
         execution.map(&mut sums[..], |k, sum| {
             let vertex = &vertices[k];
             let place = &vertex_places.places[k];
@@ -170,7 +186,9 @@ impl<T: Real> Repulsion<T> {
                 .each_near(face_places, near_vertices, place, |face| {
                     pairs.each_felt(vertex, &faces[face], |felt| {
                         let [x, y, z] = felt.force;
-                        for (sum, term) in sum.iter_mut().zip([felt.potential, x, y, z]) {
+                        let [u, v, w] = felt.turn;
+                        let terms = [felt.potential, x, y, z, u, v, w];
+                        for (sum, term) in sum.iter_mut().zip(terms) {
                             *sum += term;
                         }
                     });
@@ -228,22 +246,6 @@ impl<T: Real> Repulsion<T> {
     }
 }
 
-/// Forces on corners by the change of a triangle's area: `⅓ Σ w ∂A`.
-struct AreaForce;
-
-impl<T: Real> ElementKernel<T, 3, 1, 3> for AreaForce {
-    #[inline(always)]
-    fn evaluate(
-        &self,
-        _first: usize,
-        corners: &Corners<T, 3>,
-        weights: &[[T; 1]; 3],
-    ) -> [[T; 3]; 3] {
-        let sixth = T::constant(1.0 / 6.0) * (weights[0][0] + weights[1][0] + weights[2][0]);
-        corners.triangle().outward_edges(sixth)
-    }
-}
-
 impl<T: Real> Interaction<T> for Repulsion<T> {
     type Memory = RepulsionMemory<T>;
 
@@ -280,6 +282,8 @@ impl<T: Real> Interaction<T> for Repulsion<T> {
             sums,
             reactions,
             weights,
+            begins,
+            normals,
             ..
         } = memory;
         let zero = T::zero();
@@ -303,14 +307,20 @@ impl<T: Real> Interaction<T> for Repulsion<T> {
                 continue;
             }
             weights.clear();
-            weights.resize(surface.positions().len(), [zero]);
-            for (near, &[potential, x, y, z]) in felt() {
+            weights.resize(surface.positions().len(), [zero; 4]);
+            for (near, &[potential, x, y, z, u, v, w]) in felt() {
                 let vertex = near.vertex as usize;
-                weights[vertex] = [-half_potential * potential];
+                weights[vertex][3] = -half_potential * potential;
                 force[vertex] = add(force[vertex], scale(push * near.area, [x, y, z]));
+                if self.parts {
+                    let [a, b, c, over] = normals[begins[k] + vertex];
+                    let across = sub([u, v, w], scale(dot([u, v, w], [a, b, c]), [a, b, c]));
+                    let turn = scale((half_potential + half_potential) * near.area * over, across);
+                    weights[vertex][..3].copy_from_slice(&turn);
+                }
             }
             let triangles = surface.mesh().triangles();
-            execution.scatter(&AreaForce, *surface, triangles, weights, force);
+            execution.scatter(&AreaVectorForce, *surface, triangles, weights, force);
         }
         energy
     }

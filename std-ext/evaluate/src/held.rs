@@ -231,14 +231,28 @@ pub fn keep_volumes_on(
     positions: &mut [[f64; 3]],
 ) -> Result<(), VolumeError> {
     let mut quantity = Quantity::new(AnyFunctional::Volume, before.mesh());
-    let targets = quantity.values(before).to_vec();
+    reach_volumes(quantity.values(before), mesh, positions)
+}
+
+/// The same to a volume for each component.
+///
+/// # Errors
+/// As [`keep_volumes`].
+///
+/// # Panics
+/// If there is not one position per vertex of the mesh, or one volume per component.
+pub fn reach_volumes(
+    targets: &[f64],
+    mesh: &TriangleMesh,
+    positions: &mut [[f64; 3]],
+) -> Result<(), VolumeError> {
     let mut quantity = Quantity::new(AnyFunctional::Volume, mesh);
     assert_eq!(
         targets.len(),
         quantity.values.len(),
-        "components of both meshes"
+        "volumes and components"
     );
-    let mut volumes = targets.clone();
+    let mut volumes = targets.to_vec();
     let (components, _) = mesh.components();
     let mut gradient = vec![[0.0; 3]; positions.len()];
     let length = |[x, y, z]: [f64; 3]| x.hypot(y).hypot(z);

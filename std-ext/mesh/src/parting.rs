@@ -1,8 +1,12 @@
-//! Surfaces that part: necks are cut and closed on both sides, holes are closed.
+//! Surfaces that part and join: necks are cut and closed on both sides, holes are closed, films break.
 //!
-//! Both are found where they are shorter around than a circle of a given radius, one at a time.
+//! Necks and holes are found where they are shorter around than a circle of a given radius, films where they are thinner
+//! than a given thickness, one at a time.
 
+mod films;
 mod necks;
+
+pub use self::films::joined;
 
 use self::necks::neck;
 use crate::repair::holes::borders;
@@ -12,7 +16,7 @@ use helfrich::{Surface, TriangleMesh};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Rounds in which a new cap and its surroundings are smoothed; it starts flat, with an edge.
+/// Rounds in which a new cap or rim and its surroundings are smoothed; it starts with an edge.
 const ROUNDS: usize = 6;
 
 /// A change of the topology of a surface.
@@ -23,6 +27,8 @@ pub enum Break {
     Neck,
     /// A hole is closed.
     Hole,
+    /// A film between two parts that face each other breaks, and they join around it.
+    Film,
 }
 
 /// A surface after a change of its topology.
@@ -30,11 +36,11 @@ pub enum Break {
 pub struct Parted {
     /// The change.
     pub change: Break,
-    /// The mesh. Caps follow the triangles that were there before.
+    /// The mesh. New triangles follow those that were there before.
     pub mesh: TriangleMesh,
-    /// The positions with flat caps: the parts of a closed surface together have its volume.
+    /// The positions with flat caps: the parts of a closed surface together have its volume. Or with rims where they were.
     pub flat: Vec<[f64; 3]>,
-    /// The positions with smoothed caps.
+    /// The positions with smoothed caps or rims.
     pub positions: Vec<[f64; 3]>,
     /// For each vertex the old one there, or one next to it.
     pub vertices: Vec<u32>,

@@ -60,7 +60,7 @@ pub use overrides::{OverrideSyntaxError, Overrides};
 pub use parameter::Parameter;
 pub(crate) use parameter::Parameters;
 pub use problem::{Place, Problem, SceneError, SceneErrors};
-pub use remesh::{Remesh, Topology};
+pub use remesh::{Extent, Remesh, Topology};
 pub use schema::json_schema;
 #[doc(hidden)]
 pub use shipped::shipped_file;
@@ -149,6 +149,8 @@ pub enum InteractionScene {
         /// relaxations also every surface with every obstacle.
         #[serde(skip_serializing_if = "Option::is_none")]
         between: Option<[usize; 2]>,
+        /// Whether parts of one surface act on each other where they face each other.
+        parts: bool,
     },
     /// Adhesion of two surfaces: see [`helfrich::Repulsion::adhesion`].
     Adhesion {
@@ -161,6 +163,8 @@ pub enum InteractionScene {
         /// As for a repulsion.
         #[serde(skip_serializing_if = "Option::is_none")]
         between: Option<[usize; 2]>,
+        /// As for a repulsion.
+        parts: bool,
     },
 }
 
@@ -177,19 +181,27 @@ impl InteractionScene {
     pub(crate) fn pressure(&self) -> Repulsion<f64> {
         match *self {
             Self::Repulsion {
-                strength, cutoff, ..
+                strength,
+                cutoff,
+                parts,
+                ..
             } => Repulsion {
                 modulus: strength,
                 range: cutoff,
                 attraction: 0.0,
+                parts,
                 images: Images::none(),
             },
             Self::Adhesion {
                 energy,
                 distance,
                 cutoff,
+                parts,
                 ..
-            } => Repulsion::adhesion(energy, distance, cutoff),
+            } => Repulsion {
+                parts,
+                ..Repulsion::adhesion(energy, distance, cutoff)
+            },
         }
     }
 
@@ -197,6 +209,13 @@ impl InteractionScene {
     pub(crate) fn between(&self) -> Option<[usize; 2]> {
         match *self {
             Self::Repulsion { between, .. } | Self::Adhesion { between, .. } => between,
+        }
+    }
+
+    /// Whether parts of one surface act on each other.
+    pub(crate) fn parts(&self) -> bool {
+        match *self {
+            Self::Repulsion { parts, .. } | Self::Adhesion { parts, .. } => parts,
         }
     }
 

@@ -95,7 +95,7 @@ struct Repulsions {
     /// The name of the interaction.
     name: &'static str,
     repulsion: Repulsion<f64>,
-    /// The bodies in their order: two or more, or one that has images.
+    /// The bodies in their order: two or more, or one that has images or acts on itself.
     bodies: Vec<usize>,
     /// The obstacles, with memory for the forces on them.
     solids: Vec<(usize, Vec<[f64; 3]>)>,

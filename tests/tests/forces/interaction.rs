@@ -1,6 +1,7 @@
 //! Repulsion of surfaces against a double loop over all pairs, its gradient, and its limits.
 
 mod images;
+mod parts;
 
 use autodiff::F1;
 use helfrich::{Images, Interaction, Real, Repulsion, Serial, Surface, VertexKind};
@@ -8,7 +9,7 @@ use helfrich_std::execute::Parallel;
 use helfrich_tests::laws::{largest, with_derivatives};
 use helfrich_tests::meshes::{
     GENERIC, Mesh, SplitMix64, bent, cases, cross, difference, dot, hemisphere, icosphere, norm,
-    rotation, torus, turned,
+    rotation, torus, turned, unit,
 };
 use helfrich_tests::tolerance::{self, Tolerance};
 use proptest::prelude::*;
@@ -29,6 +30,7 @@ fn free<T: Real>(modulus: T, range: T) -> Repulsion<T> {
         modulus,
         range,
         attraction: T::zero(),
+        parts: false,
         images: Images::none(),
     }
 }
@@ -114,6 +116,18 @@ fn simplices(mesh: &Mesh) -> Vec<(f64, Vec<usize>)> {
     triangles.chain(edges).chain(vertices).collect()
 }
 
+/// The part of the triangles around a simplex that do not have this corner: triangles around a vertex do not act on it.
+fn without(mesh: &Mesh, simplex: &[usize], corner: usize) -> f64 {
+    let ring = mesh.connectivity.triangles().iter();
+    let around = ring.filter(|t| simplex.iter().all(|&k| t.contains(&(k as u32))));
+    let [mut all, mut others] = [0.0; 2];
+    for triangle in around {
+        all += 1.0;
+        others += f64::from(u8::from(!triangle.contains(&(corner as u32))));
+    }
+    others / all
+}
+
 fn areas(mesh: &Mesh, x: &Positions<f64>) -> Vec<f64> {
     let surface = Surface::new(&mesh.connectivity, x).unwrap();
     let mut areas = vec![0.0; x.len()];
@@ -125,31 +139,62 @@ fn areas(mesh: &Mesh, x: &Positions<f64>) -> Vec<f64> {
     areas
 }
 
-/// Double loop over all pairs and all images. Returns the energy and the forces on all surfaces at constant
-/// vertex areas; the whole force on a triangle or edge is added to its first corner.
+/// Unit normals of vertices, by the area vectors around them.
+fn normals(mesh: &Mesh, x: &Positions<f64>) -> Positions<f64> {
+    let mut normals = vec![[0.0; 3]; x.len()];
+    for corners in mesh.connectivity.triangles() {
+        let [a, b, c] = corners.map(|corner| x[corner as usize]);
+        let doubled = cross(difference(b, a), difference(c, a));
+        for &corner in corners {
+            let sum = &mut normals[corner as usize];
+            *sum = [0, 1, 2].map(|axis| sum[axis] + doubled[axis]);
+        }
+    }
+    normals.iter().map(|&normal| unit(normal)).collect()
+}
+
+/// The share of a potential that is felt of the same surface in this direction from a vertex with this normal.
+fn facing(normal: [f64; 3], apart: [f64; 3]) -> f64 {
+    let cosine = dot(normal, unit(apart));
+    let t = (2.0 * cosine * cosine - 0.5).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+/// Double loop over all pairs and all images. Returns the energy, the sum of the magnitudes of its terms between parts of one
+/// surface, which mostly cancel, and the forces on all surfaces at constant
+/// vertex areas; the whole force on a triangle or edge is added to its first corner. Forces between parts of one surface,
+/// which have no sum, are left out.
 fn by_pairs(
     repulsion: Repulsion<f64>,
     meshes: &[Mesh],
     positions: &[Positions<f64>],
-) -> (f64, Vec<Positions<f64>>) {
+) -> ([f64; 2], Vec<Positions<f64>>) {
     let areas = Vec::from_iter(meshes.iter().zip(positions).map(|(mesh, x)| areas(mesh, x)));
     let simplices = Vec::from_iter(meshes.iter().map(simplices));
     let Repulsion {
         modulus,
         range,
         attraction,
+        parts,
         images,
     } = repulsion;
+    let normals = Vec::from_iter(
+        meshes
+            .iter()
+            .zip(positions)
+            .map(|(mesh, x)| normals(mesh, x)),
+    );
     let shifts = shifts(&images, range, positions);
     let bodies = 0..meshes.len();
     let pairs = bodies
         .clone()
         .flat_map(|a| bodies.clone().map(move |b| (a, b)));
-    let mut energy = 0.0;
+    let (mut energy, mut of_parts) = (0.0, 0.0);
     let mut forces = Vec::from_iter(positions.iter().map(|x| vec![[0.0; 3]; x.len()]));
     for (a, b) in pairs {
         for &shift in &shifts {
-            if a == b && (!images.own || shift == [0.0; 3]) {
+            let own_parts = a == b && shift == [0.0; 3];
+            if own_parts && !parts || a == b && !own_parts && !images.own {
                 continue;
             }
             for (i, &x) in positions[a].iter().enumerate() {
@@ -160,6 +205,16 @@ fn by_pairs(
                     let weight = 0.5 * areas[a][i] * modulus * count;
                     let law = law_with(attraction, range, norm(apart));
                     let [term, push] = law.map(|number| weight * number);
+                    if own_parts {
+                        let felt = facing(normals[a][i], apart);
+                        if felt == 0.0 || term == 0.0 || corners.contains(&i) {
+                            continue;
+                        }
+                        let term = felt * without(&meshes[b], corners, i) * term;
+                        energy += term;
+                        of_parts += term.abs();
+                        continue;
+                    }
                     energy += term;
                     for axis in 0..3 {
                         forces[a][i][axis] += push * apart[axis];
@@ -169,7 +224,7 @@ fn by_pairs(
             }
         }
     }
-    (energy, forces)
+    ([energy, of_parts], forces)
 }
 
 /// All translations by whole periods that can bring two of the positions within the range of each other.
@@ -222,9 +277,9 @@ fn nearness(energy: f64) -> f64 {
 fn check_pairs(repulsion: Repulsion<f64>, meshes: &[Mesh]) -> f64 {
     let x = positions::<f64>(meshes);
     let (energy, forces) = evaluate(repulsion, meshes, &x);
-    let (expected, direct) = by_pairs(repulsion, meshes, &x);
+    let ([expected, _], direct) = by_pairs(repulsion, meshes, &x);
     let attraction = 0.0;
-    let (size, _) = by_pairs(
+    let ([size, of_parts], _) = by_pairs(
         Repulsion {
             attraction,
             ..repulsion
@@ -232,6 +287,7 @@ fn check_pairs(repulsion: Repulsion<f64>, meshes: &[Mesh]) -> f64 {
         meshes,
         &x,
     );
+    let size = size.max(of_parts);
     let near = nearness(size);
     let scale = near * (1.0 + repulsion.attraction) * size;
     tolerance::SAME.assert(energy, expected, scale, "E");
@@ -242,7 +298,7 @@ fn check_pairs(repulsion: Repulsion<f64>, meshes: &[Mesh]) -> f64 {
             |force: &[[f64; 3]]| [0, 1, 2].map(|axis| force.iter().map(|f| f[axis]).sum::<f64>());
         let scale = direct.iter().map(|&f| norm(f)).sum::<f64>();
         let error = norm(difference(net(force), net(direct)));
-        let scale = near * (scale + largest(force));
+        let scale = near * (scale + largest(force) + of_parts / repulsion.range);
         tolerance::SAME.assert(error, 0.0, scale, "force on a surface");
     }
     energy
@@ -257,6 +313,7 @@ fn check_gradient(repulsion: Repulsion<f64>, meshes: &[Mesh], seed: u64) {
         modulus: F1::cst(repulsion.modulus),
         range: F1::cst(repulsion.range),
         attraction: F1::cst(repulsion.attraction),
+        parts: repulsion.parts,
         images: Images {
             periods: repulsion.images.periods.map(F1::cst),
             own: repulsion.images.own,
@@ -343,7 +400,7 @@ fn any_extent_is_searched() {
         let surfaces = surfaces.map(|(mesh, x)| Surface::new(&mesh.connectivity, x).unwrap());
         let surfaces = Vec::from_iter(surfaces);
         let energy = repulsion.energy(&Serial, &surfaces, &mut Default::default());
-        let (expected, _) = by_pairs(repulsion, &meshes, &x);
+        let ([expected, _], _) = by_pairs(repulsion, &meshes, &x);
         tolerance::SAME.assert(energy, expected, expected, &format!("E, {far:e}"));
     }
     // Relative to a far vertex, positions are rounded to a 64th, and cells as well. Near pairs are found

@@ -127,6 +127,7 @@ fn a_repulsion_without_modulus_has_no_energy() {
             modulus,
             range: 0.2,
             attraction: 0.0,
+            parts: false,
             images: Images::none(),
         };
         let surfaces = [near.surface(), other.surface()];

@@ -122,6 +122,7 @@ fn repulsion_allocates_once() {
             modulus: 1.0,
             range: 0.6,
             attraction: 0.0,
+            parts: false,
             images,
         });
     }

@@ -1,8 +1,8 @@
-//! Surfaces that part: necks that are cut, holes that are closed.
+//! Surfaces that part and join: necks that are cut, holes that are closed, films that break.
 
 use helfrich::{AnyFunctional, Surface};
 use helfrich_std::held::Quantity;
-use helfrich_std::parting::{Break, Parted, parted};
+use helfrich_std::parting::{Break, Parted, joined, parted};
 use helfrich_std::remesh::{EdgeLengths, MeshRequest, OfNoise, remeshed};
 use helfrich_tests::meshes::{Mesh, difference, hemisphere, icosphere, norm, torus};
 use std::f64::consts::{PI, TAU};
@@ -159,4 +159,84 @@ fn a_hole_is_closed() {
     );
     assert!(after.mesh.is_closed());
     assert!(volumes(&after, &after.positions)[0] > 0.95 * 4.0 / 3.0 * PI);
+}
+
+/// Triangles that stay come first, with their corners; new triangles and rims are within the hole, and name what was there.
+fn check_joined(before: &Mesh, after: &Parted, hole: f64) {
+    let old = before.connectivity.triangles();
+    let stays = |corners: &&[u32; 3]| corners.iter().all(|corner| after.vertices.contains(corner));
+    let kept = old.iter().filter(stays).count();
+    for (corners, &was) in after
+        .mesh
+        .triangles()
+        .iter()
+        .zip(&after.triangles)
+        .take(kept)
+    {
+        assert_eq!(
+            corners.map(|corner| after.vertices[corner as usize]),
+            old[was as usize]
+        );
+    }
+    assert!(after.mesh.is_closed());
+    assert_eq!(
+        after.mesh.euler_characteristic(),
+        before.connectivity.euler_characteristic() - 2
+    );
+    assert!(after.vertices.is_sorted());
+    for ((&was, flat), moved) in after.vertices.iter().zip(&after.flat).zip(&after.positions) {
+        assert_eq!(before.positions[was as usize], *flat);
+        assert!(norm(difference(*flat, *moved)) < hole);
+    }
+    let surface = Surface::new(&after.mesh, &after.positions).expect("finite");
+    let cut = parted(surface, 0.5 * hole);
+    assert!(cut.is_none(), "the hole is no neck");
+}
+
+/// Two spheres whose gap is thinner than the film join to one surface, the hole in the middle of the gap.
+#[test]
+fn drops_join() {
+    let gap = 0.04;
+    let sphere = icosphere(3);
+    for away in [[2.0 + gap, 0.0, 0.0], [1.3, 1.0, 1.3]] {
+        let length = (2.0 + gap) / norm(away);
+        let both = sphere.beside(&sphere, away.map(|x| length * x));
+        assert!(joined(both.surface(), 0.5 * gap, 0.3).is_none());
+        let after = joined(both.surface(), 2.0 * gap, 0.3).expect("a film");
+        check_joined(&both, &after, 0.3);
+        assert_eq!((after.change, after.mesh.components().1), (Break::Film, 1));
+        let middle = away.map(|x| 0.5 * length * x);
+        let removed = (0..both.positions.len()).filter(|&k| !after.vertices.contains(&(k as u32)));
+        for vertex in removed {
+            let place = difference(both.positions[vertex], middle);
+            assert!(norm(place) < 0.6, "{place:?}");
+        }
+        let [volume] = volumes(&after, &after.positions)[..] else {
+            panic!("one volume");
+        };
+        let [one, other] =
+            Quantity::new(AnyFunctional::Volume, &both.connectivity).values(both.surface())[..]
+        else {
+            panic!("two volumes");
+        };
+        // What was between the rims, 0.13 apart, is 0.003 of the volume, and their rounding adds to it.
+        let change = volume / (one + other) - 1.0;
+        assert!((0.0..0.02).contains(&change), "{change}");
+    }
+}
+
+/// A cell whose dimples meet inside becomes a ring; a thin lens, whose sides meet at its rim, stays.
+#[test]
+fn dimples_join_inside() {
+    let dimpled = icosphere(4).map(|[x, y, z]| {
+        let inside = (-4.0 * (x * x + y * y)).exp();
+        [x, y, z * (0.7 * (1.0 - inside) + 0.02 * inside)]
+    });
+    assert!(joined(dimpled.surface(), 0.01, 0.2).is_none());
+    let after = joined(dimpled.surface(), 0.06, 0.2).expect("a film");
+    check_joined(&dimpled, &after, 0.2);
+    assert_eq!(after.mesh.components().1, 1);
+    let tips = icosphere(4).map(|[x, y, z]| [3.0 * x, 0.15 * y, 0.15 * z]);
+    assert!(joined(tips.surface(), 0.1, 0.2).is_none());
+    assert!(joined(hemisphere(3).surface(), 0.1, 0.2).is_none());
 }

@@ -81,6 +81,7 @@ fn repulsion_is_that_of_the_core() {
             modulus: 3.0,
             range: 0.2,
             attraction: 0.0,
+            parts: false,
             images,
         };
         let mut expected = vec![[0.0; 3]; total];

@@ -13,6 +13,8 @@ pub(super) struct Face<T> {
     over_normal: T,
     /// 1/length² of the sides from each corner to the next.
     over_lengths: Vec3<T>,
+    /// The length of the longest side.
+    longest: T,
     /// Weight that is subtracted for each side, so that it counts once with the triangle beyond: ½, or 0 at a
     /// boundary.
     sides: Vec3<T>,
@@ -27,13 +29,114 @@ pub(super) struct Felt<T> {
     pub(super) potential: T,
     pub(super) force: Vec3<T>,
     pub(super) corners: [Vec3<T>; 3],
+    /// Minus the gradient with respect to the unit normal of the point, if its surface is that of the triangle.
+    pub(super) turn: Vec3<T>,
+}
+
+/// What a surface feels: the parts of itself that face it, given its unit normal, or all of another one.
+pub(super) trait Sight<T>: Copy {
+    /// Whether forces are not along the difference from the nearest point.
+    const IS_TILTED: bool;
+
+    /// The potential with its force and its turn as far as they are felt, at a point `apart` from a surface.
+    fn felt(self, potential: T, force: Vec3<T>, apart: Vec3<T>, over: T) -> (T, [Vec3<T>; 2]);
+
+    /// Whether nothing is felt of a triangle with these corners, given as differences from them, and longest side.
+    fn misses(self, places: &[Vec3<T>; 3], longest: T) -> bool;
+}
+
+/// All of another surface.
+#[derive(Clone, Copy)]
+pub(super) struct Everywhere;
+
+impl<T: Real> Sight<T> for Everywhere {
+    const IS_TILTED: bool = false;
+
+    #[inline(always)]
+    fn felt(self, potential: T, force: Vec3<T>, _: Vec3<T>, _: T) -> (T, [Vec3<T>; 2]) {
+        (potential, [force, [T::zero(); 3]])
+    }
+
+    #[inline(always)]
+    fn misses(self, _: &[Vec3<T>; 3], _: T) -> bool {
+        false
+    }
+}
+
+/// Parts of the same surface in the direction of this unit normal, forward and back.
+///
+/// With c the cosine of the angle between the normal and the direction to the nearest point, and t = 2c² − ½ within 0 and 1,
+/// the potential is multiplied by `t² (3 − 2t)`: 0 beyond 60°, 1 within 30°.
+#[derive(Clone, Copy)]
+pub(super) struct Facing<T>(pub(super) Vec3<T>);
+
+impl<T: Real> Sight<T> for Facing<T> {
+    const IS_TILTED: bool = true;
+
+    #[inline(always)]
+    fn felt(self, potential: T, force: Vec3<T>, apart: Vec3<T>, over: T) -> (T, [Vec3<T>; 2]) {
+        let (zero, one) = (T::zero(), T::one());
+        let along = dot(self.0, apart);
+        let cosine = along * over * along;
+        let t = cosine + cosine - T::constant(0.5);
+        if t <= zero {
+            return (zero, [[zero; 3]; 2]);
+        }
+        if t >= one {
+            return (potential, [force, [zero; 3]]);
+        }
+        let share = t * t * (T::constant(3.0) - t - t);
+        // Half of the derivative with respect to c², times 2 (n·p)/p², of which the derivatives of c² are multiples.
+        let slope = T::constant(12.0) * potential * t * (one - t) * along * over;
+        let turn = scale(-slope, apart);
+        let tilt = sub(scale(along * over, apart), self.0);
+        (
+            share * potential,
+            [add(scale(share, force), scale(slope, tilt)), turn],
+        )
+    }
+
+    #[inline(always)]
+    fn misses(self, places: &[Vec3<T>; 3], longest: T) -> bool {
+        let most = |values: [T; 3]| values.into_iter().fold(T::zero(), T::max);
+        let height = most(places.map(|place| dot(self.0, place).abs()));
+        let distance = most(places.map(|place| dot(place, place))).sqrt();
+        // The nearest point is at most a side nearer than the farthest corner.
+        height + height + longest <= distance
+    }
+}
+
+/// A point of a triangle: the nearest one of its inside, of a side, or a corner.
+struct NearestPoint<T, S> {
+    /// The point from which it is seen, as the difference from this one, and the square of its length.
+    apart: Vec3<T>,
+    squared: T,
+    /// Its weights of the corners.
+    weights: [T; 3],
+    /// The gradients of these with respect to the point from which it is seen.
+    slopes: S,
 }
 
 impl<T: Real> Felt<T> {
-    /// Adds the potential of a point of the triangle, given by its weights of the corners. The
-    /// gradient treats the weights as fixed, because the point is the nearest one.
+    /// Adds the potential of a point of a triangle with these edges from its first corner.
+    ///
+    /// The gradient of a potential that depends on the distance alone treats the weights as fixed, because the point is the
+    /// nearest one. A force F that is not along the difference p turns it: with the part of F across the face or side alone
+    /// acting on the weights, corner k has −w_k F − (F·∇w_k) p.
     #[inline(always)]
-    fn add(&mut self, attraction: T, count: T, apart: Vec3<T>, squared: T, weights: [T; 3]) {
+    fn add<S: Sight<T>>(
+        &mut self,
+        (attraction, sight): (T, S),
+        [b, c]: &[Vec3<T>; 2],
+        count: T,
+        nearest: NearestPoint<T, impl FnOnce() -> [Vec3<T>; 3]>,
+    ) {
+        let NearestPoint {
+            apart,
+            squared,
+            weights,
+            slopes,
+        } = nearest;
         let one = T::one();
         if count == T::zero() || squared >= one {
             return;
@@ -42,10 +145,20 @@ impl<T: Real> Felt<T> {
         let over = squared.recip();
         let common = count * (inside * inside * over);
         let drawn = attraction * squared;
-        self.potential += common * inside * (one - drawn);
+        let potential = common * inside * (one - drawn);
         let three = one + one + one;
         let pressed = one + squared + squared - three * drawn * squared;
         let push = scale(common * pressed * over, apart);
+        let (potential, [mut push, turn]) = sight.felt(potential, push, apart, over);
+        self.potential += potential;
+        if S::IS_TILTED {
+            let along = slopes().map(|slope| dot(push, slope));
+            push = sub(push, add(scale(along[1], *b), scale(along[2], *c)));
+            for (corner, along) in self.corners.iter_mut().zip(along) {
+                *corner = sub(*corner, scale(along, apart));
+            }
+            self.turn = add(self.turn, turn);
+        }
         self.force = add(self.force, push);
         for (corner, weight) in self.corners.iter_mut().zip(weights) {
             *corner = sub(*corner, scale(weight, push));
@@ -58,12 +171,13 @@ impl<T: Real> Face<T> {
     pub(super) fn new(edges: [Vec3<T>; 2], sides: Vec3<T>, corners: Vec3<T>) -> Self {
         let [b, c] = edges;
         let normal = cross(b, c);
-        let over_lengths = [b, sub(c, b), c].map(|side| dot(side, side).reciprocal_or_zero());
+        let squares = [b, sub(c, b), c].map(|side| dot(side, side));
         Self {
             edges,
             normal,
             over_normal: dot(normal, normal).reciprocal_or_zero(),
-            over_lengths,
+            over_lengths: squares.map(T::reciprocal_or_zero),
+            longest: squares.into_iter().fold(T::zero(), T::max).sqrt(),
             sides,
             corners,
         }
@@ -75,7 +189,12 @@ impl<T: Real> Face<T> {
     /// Near triangles are added, near sides subtracted and near corners added, so that a point of
     /// the surface that is nearest for several of these counts once (Euler's formula).
     #[inline(always)]
-    pub(super) fn felt(&self, from_corner: Vec3<T>, attraction: T) -> Option<Felt<T>> {
+    pub(super) fn felt(
+        &self,
+        from_corner: Vec3<T>,
+        attraction: T,
+        sight: impl Sight<T>,
+    ) -> Option<Felt<T>> {
         let (zero, one) = (T::zero(), T::one());
         let height = dot(from_corner, self.normal);
         // The order of operations avoids overflow for very long ranges.
@@ -86,6 +205,9 @@ impl<T: Real> Face<T> {
         }
         let [b, c] = self.edges;
         let places = [from_corner, sub(from_corner, b), sub(from_corner, c)];
+        if sight.misses(&places, self.longest) {
+            return None;
+        }
         let directions = [b, sub(c, b), [-c[0], -c[1], -c[2]]];
         // The position of the nearest point along each side.
         let along = |side: usize| {
@@ -120,10 +242,21 @@ impl<T: Real> Face<T> {
             potential: zero,
             force: [zero; 3],
             corners: [[zero; 3]; 3],
+            turn: [zero; 3],
         };
+        let law = (attraction, sight);
         if above {
-            let foot = scale(over_height, self.normal);
-            felt.add(attraction, one, foot, squared, [first, second, third]);
+            let foot = NearestPoint {
+                apart: scale(over_height, self.normal),
+                squared,
+                weights: [first, second, third],
+                slopes: || {
+                    let [second, third] = [cross(c, self.normal), cross(self.normal, b)]
+                        .map(|slope| scale(self.over_normal, slope));
+                    [scale(-one, add(second, third)), second, third]
+                },
+            };
+            felt.add(law, &self.edges, one, foot);
         }
         // If the nearest point of a side is one of its ends, it counts as that corner.
         let mut counts = self.corners;
@@ -139,20 +272,32 @@ impl<T: Real> Face<T> {
                 let mut weights = [zero; 3];
                 weights[from] = one - along[side];
                 weights[to] = along[side];
-                felt.add(attraction, count, feet[side], distances[side], weights);
+                let foot = NearestPoint {
+                    apart: feet[side],
+                    squared: distances[side],
+                    weights,
+                    slopes: || {
+                        let slope = scale(self.over_lengths[side], directions[side]);
+                        let mut slopes = [[zero; 3]; 3];
+                        slopes[from] = scale(-one, slope);
+                        slopes[to] = slope;
+                        slopes
+                    },
+                };
+                felt.add(law, &self.edges, count, foot);
             }
         }
         for corner in 0..3 {
             let mut weights = [zero; 3];
             weights[corner] = one;
-            let place = places[corner];
-            felt.add(
-                attraction,
-                counts[corner],
-                place,
-                dot(place, place),
+            let apart = places[corner];
+            let corner_itself = NearestPoint {
+                apart,
+                squared: dot(apart, apart),
                 weights,
-            );
+                slopes: || [[zero; 3]; 3],
+            };
+            felt.add(law, &self.edges, counts[corner], corner_itself);
         }
         Some(felt)
     }

@@ -4,6 +4,7 @@ use super::super::cells::{Cells, MARGIN, Near, Place};
 use super::super::images::NearImages;
 use super::face::Face;
 use super::{Pairs, Repulsion, RepulsionMemory};
+use crate::bending::AreaVectors;
 use crate::element::Execution;
 use crate::lane::Lane;
 use crate::laplacian::Cotangent;
@@ -23,6 +24,8 @@ pub(super) struct NearVertex<T> {
     pub(super) position: Vec3<T>,
     /// Rounding error of the position, where it is known.
     pub(super) remainder: Vec3<T>,
+    /// The unit normal; 0 unless parts of a surface act on each other.
+    pub(super) normal: Vec3<T>,
 }
 
 /// A triangle that may be near another surface.
@@ -69,8 +72,9 @@ fn is_boundary(mesh: &TriangleMesh, from: u32, to: u32) -> bool {
 }
 
 impl<T: Real> NearVertex<T> {
-    fn new(place: &Place<T>, surface: Surface<'_, T>, areas: &[T]) -> Self {
+    fn new(place: &Place<T>, surface: Surface<'_, T>, areas: &[T], normals: &[[T; 4]]) -> Self {
         let vertex = place.number as usize;
+        let normal = normals.get(vertex).copied().unwrap_or_default();
         let remainders = surface.remainders();
         Self {
             surface: place.surface,
@@ -78,6 +82,7 @@ impl<T: Real> NearVertex<T> {
             area: areas[vertex],
             position: surface.positions()[vertex],
             remainder: remainders.map_or([T::zero(); 3], |all| all[vertex]),
+            normal: [normal[0], normal[1], normal[2]],
         }
     }
 }
@@ -135,7 +140,7 @@ impl<T: Real> NearFace<T> {
 
 impl<T: Real> Repulsion<T> {
     /// Finds the vertices in the widened box of another surface or of an image, and the triangles
-    /// that intersect it, sorted by cell. If there are no vertices or no triangles, both results
+    /// that intersect it, sorted by cell; all of them where parts of a surface act on each other. If there are no vertices or no triangles, both results
     /// are empty.
     pub(super) fn find(
         &self,
@@ -154,6 +159,8 @@ impl<T: Real> Repulsion<T> {
             near_faces,
             areas,
             begins,
+            doubled,
+            normals,
             ..
         } = memory;
         vertices.clear();
@@ -163,6 +170,7 @@ impl<T: Real> Repulsion<T> {
         bounds.clear();
         areas.clear();
         begins.clear();
+        normals.clear();
         let over_range = self.over_range();
         if over_range == T::zero() {
             return None;
@@ -179,13 +187,23 @@ impl<T: Real> Repulsion<T> {
             begins.push(begin);
             areas.resize(begin + surface.positions().len(), T::zero());
             near.clear();
-            let mut own = false;
+            let mut own = self.parts;
+            if own {
+                near.push(bounds[a]);
+            }
             for b in (0..surfaces.len()).filter(|&b| a != b || self.images.own) {
                 let [low, high] = bounds[b];
                 let widened = [low.map(|x| x - within), high.map(|x| x + within)];
                 let before = near.len();
                 self.images.add_meeting(widened, bounds[a], a == b, near);
                 own |= a == b && near.len() > before;
+            }
+            if self.parts {
+                AreaVectors.sum(execution, *surface, doubled);
+                normals.extend(doubled.iter().map(|&[x, y, z, _]| {
+                    let over = norm([x, y, z]).reciprocal_or_zero();
+                    [x * over, y * over, z * over, over]
+                }));
             }
             if near.is_empty() {
                 continue;
@@ -219,7 +237,9 @@ impl<T: Real> Repulsion<T> {
         execution.map(&mut vertices[..], |k, vertex| {
             let place = &vertex_places.places[k];
             let number = place.surface as usize;
-            *vertex = NearVertex::new(place, surfaces[number], &areas[begins[number]..]);
+            let begin = begins[number];
+            let normals = normals.get(begin..).unwrap_or_default();
+            *vertex = NearVertex::new(place, surfaces[number], &areas[begin..], normals);
         });
         faces.resize(face_places.places.len(), NearFace::default());
         execution.map(&mut faces[..], |k, face| {

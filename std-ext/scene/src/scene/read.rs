@@ -221,12 +221,14 @@ impl Builder<'_> {
         let alone = images.is_some_and(|images| !images.is_periodic());
         let names = interaction.texts("between");
         let alone_named = names.is_empty() || bodies.names.len() == 1;
-        if bodies.all == 1 && alone_named && alone {
+        let parts = interaction.switch("parts") == Some(true);
+        if bodies.all == 1 && alone_named && alone && !parts {
             self.contradiction(
                 interaction.origin(),
                 "an interaction acts between two surfaces, and the scene has only one: add a \
-                 [[surface]], or leave the interaction out; in the periodic box of the driver \
-                 \"lattice-boltzmann\" one would meet its images"
+                 [[surface]], or `parts = true` for contact of the surface with itself, or leave the \
+                 interaction out; in the periodic box of the driver \"lattice-boltzmann\" one would meet its \
+                 images"
                     .to_owned(),
             );
         }
@@ -252,11 +254,12 @@ impl Builder<'_> {
                 found
             };
             if let (Some(a), Some(b)) = (index(a), index(b)) {
-                if a == b && alone {
+                if a == b && alone && !parts {
                     self.contradiction(
                         &origin,
                         format!(
-                            "`between` names \"{}\" twice: two surfaces are needed where no box is periodic",
+                            "`between` names \"{}\" twice: two surfaces are needed where no box is periodic, or \
+                             `parts = true` for contact of the surface with itself",
                             known[a]
                         ),
                     );
@@ -319,17 +322,20 @@ struct Bodies<'a> {
 /// An interaction between these surfaces.
 fn pressure(interaction: Reader<'_>, between: Option<[usize; 2]>) -> InteractionScene {
     let cutoff = interaction.needed("cutoff");
+    let parts = interaction.switch("parts") == Some(true);
     if interaction.text("kind") == Some("adhesion") {
         return InteractionScene::Adhesion {
             energy: interaction.needed("energy"),
             distance: interaction.needed("distance"),
             cutoff,
             between,
+            parts,
         };
     }
     InteractionScene::Repulsion {
         strength: interaction.needed("strength"),
         cutoff,
         between,
+        parts,
     }
 }

@@ -2,7 +2,7 @@
 
 use super::builder::Builder;
 use super::effects::Effects;
-use super::keys::{Form, Key, Keys, Range, optional, positive, required};
+use super::keys::{Form, Key, Keys, Range, optional, positive};
 use super::parameter::Parameters;
 use super::reader::Reader;
 use super::units::Dimension;
@@ -52,22 +52,57 @@ static SIZES: Keys = Keys {
 
 pub(super) const TOPOLOGY: Key = optional(
     "topology",
-    Form::Either(&[Form::Choice(|| vec![MAY_BREAK]), BREAKS]),
-    "Whether a surface with `remesh` may part: necks are cut and closed on both sides, and holes are closed, when they are \
-     shorter around than a circle whose radius is the mean length of the edges (\"may-break\"), or that of the table; by \
-     default the topology stays. Each part keeps its volume, and gets its share of what is held.",
+    Form::Either(&[
+        Form::Choice(|| CHANGES.map(|(name, _)| name).to_vec()),
+        EXTENTS,
+    ]),
+    "Whether a surface with `remesh` may part or join; by default the topology stays. \"may-break\": necks are cut and closed \
+     on both sides, and holes are closed, when they are shorter around than a circle whose radius is the mean length of the \
+     edges. \"may-fuse\": parts of the surface that face each other join where they are nearer than half a mean edge, \
+     outside as drops do, or inside. \"may-change\": both. A table sets the lengths of what may happen. Volumes stay, and \
+     each part gets its share of what is held.",
 );
 
-const MAY_BREAK: &str = "may-break";
+/// Names of changes: a neck and a film as short as that, in mean edges.
+const CHANGES: [(&str, Topology); 3] = [
+    (
+        "may-break",
+        Topology {
+            neck: Some(Extent::Edges(1.0)),
+            film: None,
+        },
+    ),
+    (
+        "may-fuse",
+        Topology {
+            neck: None,
+            film: Some(Extent::Edges(0.5)),
+        },
+    ),
+    (
+        "may-change",
+        Topology {
+            neck: Some(Extent::Edges(1.0)),
+            film: Some(Extent::Edges(0.5)),
+        },
+    ),
+];
 
-const BREAKS: Form = Form::Table(&RADIUS);
+const EXTENTS: Form = Form::Table(&RADIUS);
 
 static RADIUS: Keys = Keys {
-    keys: &[required(
-        "radius",
-        positive(Dimension::LENGTH),
-        "Radius below which necks are cut and holes are closed.",
-    )],
+    keys: &[
+        optional(
+            "radius",
+            positive(Dimension::LENGTH),
+            "Radius below which necks are cut and holes are closed.",
+        ),
+        optional(
+            "film",
+            positive(Dimension::LENGTH),
+            "Thickness below which films between parts that face each other break.",
+        ),
+    ],
     exactly_one: &[],
     at_most_one: &[],
     needs: &[],
@@ -76,32 +111,65 @@ static RADIUS: Keys = Keys {
 
 /// Changes of the topology of a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Topology {
+    /// The radius of necks that are cut and of holes that are closed; `None` if they stay.
+    pub neck: Option<Extent>,
+    /// The thickness of films that break; `None` if they stay.
+    pub film: Option<Extent>,
+}
+
+/// A length.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Topology {
-    /// Necks and holes as thin as the mean length of the edges.
-    MayBreak,
-    /// Necks and holes of this radius.
-    Radius(f64),
+pub enum Extent {
+    /// In mean lengths of the edges.
+    Edges(f64),
+    /// As it is.
+    Length(f64),
+}
+
+impl Extent {
+    /// The length on a mesh with this mean length of the edges.
+    pub fn of(self, edge: f64) -> f64 {
+        match self {
+            Self::Edges(edges) => edges * edge,
+            Self::Length(length) => length,
+        }
+    }
+
+    fn words(self, name: &'static str, number: &Parameters) -> String {
+        match self {
+            Self::Edges(edges) => format!("{name} = {edges} mean edges"),
+            Self::Length(length) => number.of(name, length, Dimension::LENGTH).to_string(),
+        }
+    }
 }
 
 impl Topology {
     pub(super) fn read(surface: Reader<'_>) -> Option<Self> {
-        if surface.text("topology") == Some(MAY_BREAK) {
-            return Some(Self::MayBreak);
+        if let Some(name) = surface.text("topology") {
+            let mut changes = CHANGES.into_iter();
+            return changes.find_map(|(known, change)| (known == name).then_some(change));
         }
-        surface
-            .table("topology")?
-            .number("radius")
-            .map(Self::Radius)
+        let table = surface.table("topology")?;
+        let length = |key: &str| table.number(key).map(Extent::Length);
+        Some(Self {
+            neck: length("radius"),
+            film: length("film"),
+        })
     }
 
     /// The changes in words.
     pub(crate) fn words(self, number: &Parameters) -> String {
-        let radius = match self {
-            Self::MayBreak => "radius = a mean edge".to_owned(),
-            Self::Radius(radius) => number.of("radius", radius, Dimension::LENGTH).to_string(),
-        };
-        format!("thinner necks are cut and smaller holes are closed: {radius}")
+        let neck = self.neck.map(|radius| {
+            let radius = radius.words("radius", number);
+            format!("thinner necks are cut and smaller holes are closed: {radius}")
+        });
+        let film = self.film.map(|film| {
+            let film = film.words("film", number);
+            format!("thinner films break: {film}")
+        });
+        Vec::from_iter(neck.into_iter().chain(film)).join("; ")
     }
 }
 
@@ -157,6 +225,16 @@ impl Builder<'_> {
             return;
         }
         let name = &surface.name;
+        if let Some(Topology {
+            neck: None,
+            film: None,
+        }) = surface.topology
+        {
+            self.contradiction(
+                &reader.origin_of("topology"),
+                "`topology` allows nothing: set `radius` for necks and holes, `film` for films, or both".to_owned(),
+            );
+        }
         let mut refuse = |message: String| {
             self.contradiction(&reader.origin_of("remesh"), message);
         };

@@ -64,7 +64,15 @@ const BETWEEN: Key = optional(
     Form::Pair,
     "Names of two surfaces, or of a surface and an obstacle; by default every pair of surfaces interacts, in a \
      periodic box every surface with its own images, and with the driver \"relax\" every surface with every obstacle. \
-     If both names are the same, the surface interacts with its own images only.",
+     If both names are the same, the surface interacts with itself only: with its own images, and with `parts`.",
+);
+
+const PARTS: Key = optional(
+    "parts",
+    Form::Switch,
+    "Whether parts of one surface act on each other, too, where they face each other: where the normal of one points to \
+     the other within 30°, less up to 60°. A surface whose radii of curvature exceed the cutoff feels nothing of itself \
+     where it is not folded. By default false.",
 );
 
 const INTERACTIONS: &[Kind] = &[
@@ -81,6 +89,7 @@ const INTERACTIONS: &[Kind] = &[
             ),
             CUTOFF,
             BETWEEN,
+            PARTS,
         ],
         exactly_one: &[],
     },
@@ -99,6 +108,7 @@ const INTERACTIONS: &[Kind] = &[
             ),
             CUTOFF,
             BETWEEN,
+            PARTS,
         ],
         exactly_one: &[],
     },

@@ -122,13 +122,19 @@ impl Scene {
             };
             Active {
                 name: interaction.name(),
-                choice: match interaction.between() {
-                    Some([a, b]) if a == b => format!("between {} and its images", name(a)),
-                    Some([a, b]) => format!("between {} and {}", name(a), name(b)),
-                    None if self.driver.images().is_periodic() => {
-                        "between all surfaces and their images".to_owned()
+                choice: {
+                    let own = [
+                        (self.driver.images().is_periodic(), "images"),
+                        (interaction.parts(), "parts"),
+                    ];
+                    let own = own.iter().filter(|(acts, _)| *acts);
+                    let own = Vec::from_iter(own.map(|&(_, own)| own)).join(" and ");
+                    match interaction.between() {
+                        Some([a, b]) if a == b => format!("between {} and its {own}", name(a)),
+                        Some([a, b]) => format!("between {} and {}", name(a), name(b)),
+                        None if own.is_empty() => "between all surfaces".to_owned(),
+                        None => format!("between all surfaces and their {own}"),
                     }
-                    None => "between all surfaces".to_owned(),
                 },
                 parameters: match *interaction {
                     InteractionScene::Repulsion {

@@ -2,6 +2,7 @@
 
 mod approach;
 mod checkpoints;
+mod contact;
 mod deformation;
 mod enclosure;
 mod interruption;

@@ -1,4 +1,4 @@
-//! Runs whose surfaces part.
+//! Runs whose surfaces part and join.
 
 use super::remeshing::{column, continues, runs};
 use helfrich_std::io::write_vtp_with_cells;
@@ -153,5 +153,52 @@ pictures = false
     for &volume in &volumes {
         assert!((volume / volumes[0] - 1.0).abs() < 1e-11, "{volumes:?}");
     }
+    continues(text, folder.path(), &out, 4);
+}
+
+/// Two drops that all but touch join, and surface tension makes one sphere of them, with the volume of both.
+#[test]
+fn two_drops_join() {
+    let folder = TempDir::new().expect("a folder");
+    let drop = icosphere(2);
+    write(folder.path(), &drop.beside(&drop, [2.05, 0.0, 0.0]));
+    let text = r#"
+units = "none"
+[[surface]]
+mesh = "mesh.vtp"
+remesh = "auto"
+topology = "may-fuse"
+tension.value = 1
+[driver]
+kind = "boundary-integral"
+viscosity = 1
+flow = { kind = "quiescent" }
+duration = 12
+[output]
+interval = 0.5
+checkpoint_every = 5
+files_every = 100000
+pictures = false
+"#;
+    let out = folder.path().join("out");
+    let summary = runs(text, folder.path(), &out, false, usize::MAX);
+    assert_eq!(summary.end, End::Completed, "{}", summary.message);
+    let broke = breaks(&summary);
+    assert_eq!(broke.len(), 1, "{broke:?}");
+    assert_eq!(
+        (broke[0].broke, broke[0].euler_number),
+        (Some(Break::Film), [4, 2])
+    );
+    let volumes = column(&out, "volume");
+    for &volume in &volumes {
+        assert!((volume / volumes[0] - 1.0).abs() < 1e-11, "{volumes:?}");
+    }
+    let areas = column(&out, "area");
+    assert!(
+        areas.is_sorted_by(|before, after| before > after),
+        "{areas:?}"
+    );
+    let reduced = *column(&out, "reduced_volume").last().expect("a row");
+    assert!(reduced > 0.99, "{reduced}");
     continues(text, folder.path(), &out, 4);
 }

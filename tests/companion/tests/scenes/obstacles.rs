@@ -31,6 +31,7 @@ fn suction_and_adhesion_are_read() {
         distance: 0.1,
         cutoff: 0.5,
         between: Some([1, 0]),
+        parts: false,
     };
     assert_eq!(file.scene.interactions, [adhesion]);
     let mesh = [generated(&file, 0)];

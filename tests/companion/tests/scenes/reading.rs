@@ -60,6 +60,7 @@ kind = "repulsion"
 strength = 0.1
 cutoff = 0.2
 between = ["surface-2", "a"]
+parts = true
 
 [driver]
 kind = "relax"
@@ -216,6 +217,7 @@ fn every_key_of_a_relaxation_is_read() {
         strength: 0.1,
         cutoff: 0.2,
         between: Some([1, 0]),
+        parts: true,
     };
     assert_eq!(scene.interactions, [repulsion]);
     let Driver::Relax(relax) = scene.driver else {

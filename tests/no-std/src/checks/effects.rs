@@ -110,6 +110,7 @@ fn repulsion<T: Real + Display>(left: Surface<'_, T>) {
         modulus: T::constant(MODULUS),
         range: T::constant(range),
         attraction: T::zero(),
+        parts: false,
         images: Images::none(),
     };
     let apart = T::constant(2.0 * RADIUS + gap);

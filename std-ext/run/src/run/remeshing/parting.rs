@@ -1,19 +1,22 @@
-//! Surfaces that part.
+//! Surfaces that part, and surfaces that join.
 
 use super::super::RunError;
 use super::super::drive::Drive;
 use super::event::{Remeshing, measured};
 use super::meshes::ratios_to_flat;
 use super::{Remesher, WORN};
-use crate::held::keep_volumes;
+use crate::held::{Quantity, reach_volumes};
 use crate::io::ColumnPlace;
-use crate::parting::parted;
+use crate::parting::{Break, Parted, joined, parted};
 use crate::scene::{Scene, Topology};
 use crate::simulation::{BodyMesh, Simulation};
-use helfrich::{Surface, Targets};
+use helfrich::{AnyFunctional, Surface, Targets};
+
+/// The radius of the hole in a film that breaks, in mean edges and in radii of necks that are cut: its rim is no neck.
+const HOLE: f64 = 2.0;
 
 impl Remesher {
-    /// Parts each surface that may break, where it is thin enough, at one place; true if a surface has parted.
+    /// Parts or joins each surface that may, where it or a film is thin enough, at one place; true if a surface has changed.
     pub(in crate::run) fn part(
         &mut self,
         scene: &Scene,
@@ -30,23 +33,41 @@ impl Remesher {
             let Some(surface) = body.surface(&before) else {
                 continue;
             };
-            let radius = match topology {
-                Topology::MayBreak => mean_edge(surface),
-                Topology::Radius(radius) => radius,
-            };
-            let Some(mut parts) = parted(surface, radius) else {
+            let Some(mut parts) = changed_topology(surface, topology) else {
                 continue;
             };
+            let (components, _) = body.mesh().components();
+            let (groups, count) = parts.mesh.components();
+            let mut parents = vec![Vec::new(); count];
+            for (&group, &old) in groups.iter().zip(&parts.vertices) {
+                let (parents, parent) = (&mut parents[group as usize], components[old as usize]);
+                if !parents.contains(&parent) {
+                    parents.push(parent);
+                }
+            }
             // Positions between others are finite.
             let Ok(flat) = Surface::new(&parts.mesh, &parts.flat) else {
                 continue;
             };
-            if let Err(error) = keep_volumes(flat, &mut parts.positions) {
+            let volume = AnyFunctional::Volume;
+            let volumes = match parts.change {
+                Break::Neck | Break::Hole => {
+                    Quantity::new(volume, &parts.mesh).values(flat).to_vec()
+                }
+                Break::Film => {
+                    let mut quantity = Quantity::new(volume, body.mesh());
+                    let old = quantity.values(surface);
+                    let own = |parents: &Vec<u32>| {
+                        parents.iter().map(|&old_one| old[old_one as usize]).sum()
+                    };
+                    parents.iter().map(own).collect()
+                }
+            };
+            if let Err(error) = reach_volumes(&volumes, &parts.mesh, &mut parts.positions) {
                 self.note(index, simulation, drive, &error.to_string());
                 continue;
             }
             let geometry = scene.surfaces[index].effects.geometry(&scene.driver);
-            let (components, _) = body.mesh().components();
             let columns = body.columns().iter().map(|column| {
                 let old = match column.place {
                     ColumnPlace::Triangles => &parts.triangles,
@@ -58,11 +79,6 @@ impl Remesher {
             let Ok(own) = Surface::new(&parts.mesh, &parts.positions) else {
                 continue;
             };
-            let (groups, count) = parts.mesh.components();
-            let mut parents = vec![0; count];
-            for (&group, &old) in groups.iter().zip(&parts.vertices) {
-                parents[group as usize] = components[old as usize];
-            }
             let targets = body.targets().iter();
             let targets = Vec::from_iter(targets.map(|held| held.of_parts(&parents, own)));
             let values = targets.iter().map(|held| match &held.targets {
@@ -97,6 +113,14 @@ impl Remesher {
         }
         Ok(changed)
     }
+}
+
+/// The surface after the first change that may happen.
+fn changed_topology(surface: Surface<'_, f64>, topology: Topology) -> Option<Parted> {
+    let edge = mean_edge(surface);
+    let [neck, film] = [topology.neck, topology.film].map(|extent| Some(extent?.of(edge)));
+    let parts = neck.and_then(|radius| parted(surface, radius));
+    parts.or_else(|| joined(surface, film?, HOLE * edge.max(neck.unwrap_or(0.0))))
 }
 
 /// The mean length of the edges of a surface.

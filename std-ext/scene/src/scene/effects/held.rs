@@ -84,23 +84,26 @@ pub struct HeldTargets {
 }
 
 impl HeldTargets {
-    /// The targets of the parts of a surface that has parted: each part gets as much of the target of the component to which
-    /// it belonged as it has of the quantity.
-    pub fn of_parts(&self, parents: &[u32], parts: Surface<'_, f64>) -> Self {
+    /// The targets of the parts of a surface that has parted or joined: each part gets as much of the target of each
+    /// component from which it comes as it has of the quantity.
+    pub fn of_parts(&self, parents: &[Vec<u32>], parts: Surface<'_, f64>) -> Self {
         let present = Quantity::targets(self.quantity, parts);
         let all = |parent: u32| -> f64 {
             let siblings = parents.iter().enumerate();
-            let siblings = siblings.filter(|&(_, &other)| other == parent);
+            let siblings = siblings.filter(|(_, others)| others.contains(&parent));
             siblings.map(|(part, _)| present.at(part)).sum()
         };
-        let targets = parents.iter().enumerate().map(|(part, &parent)| {
-            let share = present.at(part) / all(parent);
-            let target = self.targets.at(parent as usize);
-            if share.is_finite() {
-                share * target
-            } else {
-                target
-            }
+        let targets = parents.iter().enumerate().map(|(part, parents)| {
+            let of_parent = parents.iter().map(|&parent| {
+                let share = present.at(part) / all(parent);
+                let target = self.targets.at(parent as usize);
+                if share.is_finite() {
+                    share * target
+                } else {
+                    target
+                }
+            });
+            of_parent.sum()
         });
         Self {
             targets: Targets::PerComponent(targets.collect()),
