@@ -20,29 +20,34 @@ use alloc::vec::Vec;
 use ground::InputSurface;
 use passes::Remesher;
 
-/// Number of rounds after which no more follow if fewer than one vertex in so many was made or removed.
+/// Least number of rounds before they may end early.
 const SETTLING: usize = 4;
+
+/// Rounds end early if fewer than one in this number of vertices was made or removed.
 const FEW: usize = 50;
 
-/// Number of rounds at the end that make triangles Delaunay ones.
+/// Number of rounds of Delaunay flips at the end, and of rounds that widen angles after them.
 const LAST: usize = 3;
 
-/// Most attempts to put vertices on flat triangles where triangles cross.
+/// The cosine of the angle below which angles are widened: 40°.
+const WIDE: f64 = 0.766;
+
+/// Most passes that move vertices of triangles that cross or are turned onto the flat ones.
 const RETREATS: usize = 8;
 
-/// The mesh that [`SmoothSurface::remesh`] makes.
+/// The settings of [`SmoothSurface::remesh`].
 #[derive(Clone, Copy, Debug)]
 pub struct Remeshing<'a, T> {
     /// The edge length that is wanted at each vertex of the input, above 0.
     pub sizes: &'a [T],
-    /// The number of vertices; lengths are then relative to each other.
+    /// The number of vertices, to which lengths are scaled; `None` for the number that lengths imply.
     pub vertices: Option<usize>,
-    /// Number of rounds of splits, collapses, flips and movements at most; fewer where these change little.
+    /// Most rounds of splits, collapses, flips and movements; they end early when few vertices change.
     pub rounds: usize,
 }
 
 impl<T> Remeshing<'_, T> {
-    /// A number of rounds after which more change little.
+    /// More rounds than this change little.
     pub const ROUNDS: usize = 10;
 }
 
@@ -53,8 +58,9 @@ pub struct Remeshed<T> {
     pub mesh: TriangleMesh,
     /// The place of each vertex on the input.
     pub places: Vec<MeshPoint<T>>,
-    /// The point of the smooth surface there: position, normal, curvatures, error bars. Where fits disagree by a part of
-    /// the edges of the input, and where triangles would cross otherwise, it is that of the flat triangle.
+    /// The point there: position, normal, curvatures, error bars. It is that of the flat triangle where `position_error` of
+    /// the smooth surface is not small against the edges of the input, and at and beside triangles that would cross others
+    /// or be turned; elsewhere that of the smooth surface.
     pub points: Vec<SmoothPoint<T>>,
     /// Pairs of triangles that cross each other, because the input has such pairs, or because it is thinner than the
     /// wanted edges.
@@ -62,7 +68,7 @@ pub struct Remeshed<T> {
 }
 
 impl<T: Real> SmoothSurface<T> {
-    /// A new mesh of this surface with edges of wanted lengths; `None` if `go_on`, which gets the part that is done,
+    /// A new mesh of this surface with edges of wanted lengths. Calls `go_on` with the part that is done; `None` if that
     /// returns `false`.
     ///
     /// # Panics
@@ -86,7 +92,7 @@ impl<T: Real> SmoothSurface<T> {
             let [vertices, triangles] =
                 [state.vertex_count(), state.edited.triangle_count()].map(number);
             match settings.vertices.map(number) {
-                // There are twice as many triangles as vertices, before anything has come of a factor.
+                // The first factor, from the expected number of triangles: a mesh has half as many vertices.
                 Some(wanted) if round == 0 => state.scale(expected / number(2), wanted),
                 Some(wanted) => state.scale(vertices, wanted),
                 None if round == 0 => {}
@@ -109,9 +115,8 @@ impl<T: Real> SmoothSurface<T> {
             state.flip_to_delaunay();
             state.smooth();
         }
-        // The cosine of 40°.
         for _ in 0..LAST {
-            state.widen_angles(T::constant(0.766));
+            state.widen_angles(T::constant(WIDE));
             state.flip_to_delaunay();
         }
         let mut crossings = Vec::new();

@@ -1,8 +1,8 @@
 //! The smooth surface through the vertices of a mesh, at any of its points.
 //!
 //! Local fits of the vertices of a triangle are averaged (X. Jiao and D. Wang, Eng. Comput. 28 (2012); Y. Li, X. Zhao,
-//! N. Ray and X. Jiao, arXiv:1901.08036). Here the fits are those of [`Jet`], and their points are brought to one
-//! normal before they are averaged, without which the order is 6 at most.
+//! N. Ray and X. Jiao, arXiv:1901.08036). Here the fits are those of [`Jet`], and their points are moved onto one
+//! normal line before they are averaged; otherwise the order would be 6 at most.
 
 mod fields;
 
@@ -26,20 +26,18 @@ pub use fields::{FieldPoint, SmoothFields};
 /// Most steps of a projection.
 const STEPS: usize = 30;
 
-/// At the centroids of irregular meshes of ellipsoids and tori, 99 of 100 errors of the position are at most 4.1 times
-/// the largest disagreement; on spheres, where neighbouring fits share their errors, 95 of 100.
+/// The error bar of a position in disagreements of its fits. At the centroids of irregular meshes of ellipsoids and tori,
+/// 99 of 100 errors are at most 4.1 disagreements; on spheres, where neighbouring fits share their errors, 95 of 100.
 const DOUBTED: f64 = 4.0;
 
 /// The smooth surface through the vertices of a mesh: around each vertex the polynomial that [`Jet`] fits, and over
 /// each triangle a blend of the polynomials of its corners.
 ///
 /// Polynomials of degree d are fitted once, when the surface is made, which keeps a copy of the mesh. Positions have
-/// errors of order d + 1 in the edge length, H and K of order d − 1. The surface passes through the vertices, is
-/// continuous, and has kinks of order d at edges and none at vertices. Corners without a fit do not take part in a blend;
-/// without any, points are those of the flat triangle, and curvatures NaN. At lines where a surface is folded, the fits of
-/// each side are those of a border.
-///
-/// Source: Y. Li, X. Zhao, N. Ray and X. Jiao, arXiv:1901.08036 (2019), and X. Jiao and D. Wang, cited there.
+/// errors of order d + 1 in the edge length, H and K of order d − 1. The surface passes through the vertices; where all
+/// corners have fits it is continuous, except across lines, and has kinks of order d at edges and none at vertices. Corners
+/// without a fit do not take part in a blend; where no corner has one, points are those of the flat triangle, and curvatures
+/// NaN. At lines where a surface is folded, the fits of each side are those of a border.
 ///
 /// ```
 /// use helfrich::{Jet, MeshPoint, Serial, SmoothSurface, Surface, TriangleMesh};
@@ -70,12 +68,12 @@ pub struct SmoothSurface<T: Real> {
     positions: Vec<[T; 3]>,
     remainders: Option<Vec<[T; 3]>>,
     lines: Vec<[u32; 2]>,
-    /// The mesh cut along the lines, if there are any, of which each fit is one.
+    /// The mesh cut along the lines, if there are any; its vertices are those of the fits.
     cut: Option<Edited>,
     jet: Jet<T>,
     workspace: Workspace<T, Jet<T>>,
     vertices: Vec<Curvature<T>>,
-    /// The largest distance of the polynomial of a vertex from the vertices of its one-ring.
+    /// See [`Self::misfits`].
     misfits: Vec<T>,
     tree: FaceTree<T>,
 }
@@ -93,9 +91,9 @@ pub struct SmoothPoint<T> {
     pub gaussian: T,
     /// The unit tangent vector of the larger principal curvature; 0 at umbilics and without a fit.
     pub direction: [T; 3],
-    /// An error bar of the distance from the surface of which the vertices are exact points, 0 there: four times how
-    /// far the polynomials of the corners are from each other at the point, or from the vertices around their own, less
-    /// the nearer the point is to the corner.
+    /// An error bar of the distance from the surface of which the vertices are exact points: four times the larger of two
+    /// disagreements, of the polynomials of the corners with their blend at the point, and of each polynomial with the
+    /// vertices around its own, weighted by the squared distance from the corner. 0 at vertices, infinite without a fit.
     pub position_error: T,
     /// Estimates of the errors of H and K: the disagreement of neighbouring fits.
     pub curvature_errors: [T; 2],
@@ -122,8 +120,8 @@ struct Corner<T> {
 }
 
 impl<T: Real> SmoothSurface<T> {
-    /// The jet whose polynomials are nearest to exact surfaces: of degree 6, and 8 from 2500 vertices of the largest
-    /// component. (Their fourth derivatives, of which [`Jet::for_mesh`] takes account, matter less here.)
+    /// The jet with the most accurate positions: of degree 8 from 2500 vertices of the largest component on, of degree 6
+    /// below. ([`Jet::for_mesh`] takes degree 4 on small meshes for the sake of forces.)
     pub fn jet_for(mesh: &TriangleMesh) -> Jet<T> {
         let jet = Jet::for_mesh(mesh);
         if jet.highest_degree() < 6 {
@@ -199,7 +197,7 @@ impl<T: Real> SmoothSurface<T> {
         self.jet.highest_degree()
     }
 
-    /// Estimates of the errors of H and K at the vertices: the disagreement of neighbouring fits.
+    /// [`SmoothPoint::curvature_errors`] at the vertices.
     pub fn curvature_errors(&self) -> &[[T; 2]] {
         &self.workspace.memory().disagreements()[..self.mesh.vertex_count()]
     }
@@ -211,10 +209,10 @@ impl<T: Real> SmoothSurface<T> {
 
     /// The point over a place of the mesh.
     ///
-    /// The polynomial of corner i has a point s_i beside the point of the flat triangle, with the normal n_i. With the
-    /// barycentric coordinates λ, weights are `w_i = λ_i²/Σ λ_j²`; H, K and n are the means of those at the points s_i.
-    /// These lie side by side, and their mean q inside a curved surface: the position is `q + n Σ w_i t_i`, where the
-    /// polynomial of corner i is at `q + t_i n`.
+    /// The polynomial of corner i has a point s_i over the point of the flat triangle, with the normal n_i. With the
+    /// barycentric coordinates λ, weights are `w_i = λ_i²/Σ λ_j²`. H and K are the means of those at the points s_i, n is the
+    /// mean of the n_i, normalised. The mean q of the points s_i lies inside a curved surface; the position is therefore
+    /// `q + n Σ w_i t_i`, where `q + t_i n` is on the polynomial of corner i.
     ///
     /// # Panics
     /// If there is no such triangle.
@@ -233,7 +231,7 @@ impl<T: Real> SmoothSurface<T> {
             terms.fold([T::zero(); 3], add)
         };
         let number = |of: &dyn Fn(&Corner<T>) -> T| -> T {
-            // Without the others, of which errors are infinite.
+            // Corners without weight may have infinite errors, and 0 · ∞ is NaN.
             let blended = corners.iter().filter(|corner| corner.weight > T::zero());
             blended.map(|corner| corner.weight * of(corner)).sum()
         };
@@ -274,8 +272,8 @@ impl<T: Real> SmoothSurface<T> {
         points
     }
 
-    /// The points of the polynomials of the corners beside a place, relative to the first corner, with weights of the sum
-    /// 1, 0 without a fit; `None` if none has one.
+    /// For each corner, the point of its polynomial over a place, relative to the first corner, and its weight. Weights have
+    /// the sum 1, and are 0 without a fit; `None` if no corner has one.
     fn corners(&self, place: MeshPoint<T>, shift: Vec3<T>) -> Option<[Corner<T>; 3]> {
         let vertices = self.mesh.triangles()[place.triangle];
         let seen = self.surface().seen_from(vertices[0]);
@@ -336,9 +334,9 @@ impl<T: Real> SmoothSurface<T> {
     /// The place of the mesh over which the surface is nearest to a point; `None` for a mesh without triangles, or a
     /// point that is not finite.
     ///
-    /// Steps of the flat foot point by the tangential part of what is left, beginning at the nearest point of the flat
-    /// triangles. Points nearer than about half of the smallest radius of curvature converge; of farther ones a place
-    /// near the best one is found.
+    /// The search begins at the nearest point of the flat triangles, and moves it by the tangential part of the difference
+    /// that is left. It converges for points nearer than about half of the smallest radius of curvature; for farther ones it
+    /// finds a place near the best one.
     pub fn project(&self, point: [T; 3]) -> Option<MeshPoint<T>> {
         let mut place = self.tree.nearest(self.surface(), point, None)?;
         let size = self.longest_edge(place.triangle);
@@ -346,7 +344,7 @@ impl<T: Real> SmoothSurface<T> {
             let found = self.at(place);
             let left = sub(point, found.position);
             let along = sub(left, scale(dot(left, found.normal), found.normal));
-            // Also for NaN, without a normal.
+            // False for NaN.
             let is_left = norm(along) > T::epsilon() * size;
             let target = add(self.flat(place), along);
             let next = self
@@ -373,7 +371,7 @@ impl<T: Real> SmoothSurface<T> {
         places
     }
 
-    /// The mesh of which each vertex has a fit.
+    /// The mesh whose vertices are those of the fits: the mesh, or that cut along the lines.
     fn fitted(&self) -> &TriangleMesh {
         self.cut.as_ref().map_or(&self.mesh, |cut| &cut.mesh)
     }
@@ -403,7 +401,7 @@ impl<T: Real> SmoothSurface<T> {
     }
 }
 
-/// The polynomials of all vertices, their curvatures, and the largest distance of each from the vertices around its own.
+/// The polynomials of all vertices, their curvatures and misfits.
 #[expect(
     clippy::type_complexity,
     reason = "three columns of one table, taken apart at once"

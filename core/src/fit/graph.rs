@@ -39,7 +39,8 @@ impl<L: Lane> Graph<L> {
         Self::of_coefficients(coefficients).enlarged(over_radius)
     }
 
-    /// This graph with coordinates and heights divided by `over_factor`.
+    /// This graph enlarged by a factor, of which `over_factor` is the reciprocal: slopes stay, second derivatives are
+    /// multiplied by it.
     #[inline(always)]
     pub(crate) fn enlarged(self, over_factor: L) -> Self {
         Self {
@@ -90,7 +91,7 @@ impl<L: Lane> Graph<L> {
         [self.mean(uprightness), self.gaussian(uprightness)]
     }
 
-    /// Factors of the coefficients of x, y, x², xy, y² of a field φ, whose sum is
+    /// Factors: the coefficients of x, y, x², xy, y² of a field φ times these add up to
     /// `Δ_S φ = g^{ab} φ_ab + 2H z_c φ_c/√g`.
     #[inline(always)]
     pub(crate) fn laplacian(&self, uprightness: L) -> [L; 5] {
@@ -155,7 +156,7 @@ fn product<L: Lane>(a: Series<L>, b: Series<L>) -> Series<L> {
     ]
 }
 
-/// Derivatives of H and K at the origin of a polynomial height function.
+/// What [`bending`] finds.
 pub(crate) struct Bending<L> {
     /// H_x and H_y.
     pub(crate) of_mean: [L; 2],
@@ -167,7 +168,7 @@ pub(crate) struct Bending<L> {
     pub(crate) laplacian_of_mean: L,
 }
 
-/// Derivatives of H and K at the origin. Coefficients above degree 4 are not read; missing ones count as 0.
+/// Derivatives of H and K at the origin of a polynomial height function. Coefficients above degree 4 are not read; missing ones count as 0.
 #[inline(always)]
 pub(crate) fn bending<L: Lane>(coefficients: &[L]) -> Bending<L> {
     // The derivative of these orders by x and y, as a series up to degree 2.
@@ -187,7 +188,6 @@ pub(crate) fn bending<L: Lane>(coefficients: &[L]) -> Bending<L> {
     let (p, q) = (derivative(1, 0), derivative(0, 1));
     let (xx, xy, yy) = (derivative(2, 0), derivative(1, 1), derivative(0, 2));
     let (mut with_p, mut with_q, across) = (product(p, p), product(q, q), product(p, q));
-    // (1 + z_x² + z_y²)^(−3/2), relative to its value at the origin.
     let graph = Graph {
         first: [p[0], q[0]],
         second: [xx[0], xy[0], yy[0]],
@@ -197,6 +197,7 @@ pub(crate) fn bending<L: Lane>(coefficients: &[L]) -> Bending<L> {
     let mut growth: Series<L> = core::array::from_fn(|k| (with_p[k] + with_q[k]) * squared);
     growth[0] = L::zero();
     let square = product(growth, growth);
+    // (1 + z_x² + z_y²)^(−3/2), relative to its value at the origin.
     let mut power: Series<L> =
         core::array::from_fn(|k| L::literal(1.875) * square[k] - L::literal(1.5) * growth[k]);
     power[0] = L::literal(1.0);
@@ -228,7 +229,7 @@ pub(crate) fn bending<L: Lane>(coefficients: &[L]) -> Bending<L> {
     }
 }
 
-/// f = 2[Δ_S H + 2H(H² − K)] at the origin of a polynomial height function.
+/// f/κ = 2[Δ_S H + 2H(H² − K)] at the origin of a polynomial height function.
 #[inline(always)]
 pub(crate) fn force_density<L: Lane>(coefficients: &[L]) -> L {
     let [mean, gaussian] = Graph::of_coefficients(coefficients).curvatures();

@@ -121,6 +121,15 @@ pub struct Acting {
 }
 
 impl Acting {
+    /// Of all effects as [`Simulation::resolve`] returns them, those of a body, in their order, and those between bodies.
+    pub fn of<'a>(all: &'a [Self], body: &Body) -> [&'a [Self]; 2] {
+        let (own, between) = all.split_at(all.partition_point(|acting| !acting.between));
+        let Range { start, end } = body.vertices();
+        let first = own.partition_point(|acting| acting.vertices.start < start);
+        let last = own.partition_point(|acting| acting.vertices.start < end);
+        [&own[first..last], between]
+    }
+
     /// Its nodal forces on a surface; none if it acts on another one.
     pub fn on(&self, body: &Body) -> &[[f64; 3]] {
         let Range { start, end } = body.vertices();

@@ -118,7 +118,7 @@ impl Run<'_> {
         let folder = self.folder.join("surfaces");
         let positions = self.drive.positions();
         for (part, body) in self.simulation.bodies().iter().enumerate() {
-            let fields = measure::fields(&self.simulation, body, positions, acting);
+            let fields = measure::fields(body, positions, acting);
             let mut fields = Vec::from_iter(fields.iter().map(|(name, values)| PointField {
                 name,
                 values: match values {

@@ -247,7 +247,6 @@ pub(super) enum Values {
 /// H and K are computed by the cotangent operator, whatever the method; f is the nodal force divided by
 /// the mixed area.
 pub(super) fn fields(
-    simulation: &Simulation,
     body: &Body,
     positions: &[[f64; 3]],
     acting: &[Acting],
@@ -264,12 +263,8 @@ pub(super) fn fields(
         ("H".to_owned(), scalars(|vertex| vertex.mean)),
         ("K".to_owned(), scalars(|vertex| vertex.gaussian)),
     ];
-    let own = body.effects().iter().map(Effect::name);
-    let own = own.map(|name| (name, simulation.label(name, body)));
-    for (name, label) in own {
-        let Some(acting) = acting.iter().find(|acting| acting.effect == label) else {
-            continue;
-        };
+    let [own, between] = Acting::of(acting, body);
+    for (name, acting) in body.effects().iter().map(Effect::name).zip(own) {
         let force = acting.on(body);
         if name == Bending::NAME {
             let density = |(force, vertex): (&[f64; 3], &Curvature<f64>)| {
@@ -285,7 +280,7 @@ pub(super) fn fields(
         }
         fields.push((format!("force_{name}"), Values::Vectors(force.to_vec())));
     }
-    for acting in acting.iter().filter(|acting| acting.between) {
+    for acting in between {
         let force = acting.on(body).to_vec();
         fields.push((format!("force_{}", acting.effect), Values::Vectors(force)));
     }
@@ -305,7 +300,7 @@ pub(super) fn picture_field(
         PictureField::GaussianCurvature => "K",
         PictureField::BendingForce => "f",
     };
-    let fields = fields(simulation, body, positions, acting);
+    let fields = fields(body, positions, acting);
     let (_, values) = fields.into_iter().find(|(found, _)| found == name)?;
     Some(match values {
         Values::Scalars(values) => values,
