@@ -145,8 +145,8 @@ pub enum InteractionScene {
         /// r_c, the range; there is no repulsion beyond it.
         cutoff: f64,
         /// The two surfaces, counted from 0, or twice the same surface for its own images; obstacles count after
-        /// the surfaces. `None`: every pair and, in a periodic box, every surface with its own images; in
-        /// relaxations also every surface with every obstacle.
+        /// the surfaces. `None`: every pair and, in a periodic box, every surface with its own images; but on a lattice
+        /// also every surface with every obstacle.
         #[serde(skip_serializing_if = "Option::is_none")]
         between: Option<[usize; 2]>,
         /// Whether parts of one surface act on each other where they face each other.

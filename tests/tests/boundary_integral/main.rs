@@ -3,6 +3,7 @@
 mod clusters;
 mod double_layer;
 mod nested;
+mod obstacles;
 mod panels;
 mod pressure;
 mod single_layer;

@@ -176,10 +176,11 @@ impl Run<'_> {
         let scene = self.scene;
         let field = scene.output.picture_field;
         let bodies = self.simulation.bodies();
-        let fields =
-            Vec::from_iter(bodies.iter().map(|body| {
-                measure::picture_field(&self.simulation, body, positions, acting, field)
-            }));
+        let fields = Vec::from_iter(
+            bodies
+                .iter()
+                .map(|body| measure::picture_field(body, positions, acting, field)),
+        );
         let painted = |surface, field| PaintedSurface {
             surface,
             field,

@@ -127,7 +127,8 @@ impl<'a> Flowing<'a> {
         positions: &[[f64; 3]],
     ) -> (Suspension, bool, Settings) {
         let suspension = suspension(scene, driver, simulation, positions);
-        let solves = suspension.has_contrast() || simulation.are_viscous();
+        let solves =
+            suspension.has_contrast() || suspension.has_obstacles() || simulation.are_viscous();
         let precision = precision(&suspension, solves);
         let settings = settings(scene, driver, simulation, positions, precision);
         (suspension, solves, settings)
@@ -475,6 +476,9 @@ fn suspension(
         driver.flow.ambient(),
         available_threads(),
     );
+    let obstacles = simulation.obstacles().iter();
+    let obstacles = obstacles.map(|solid| (&solid.mesh, &solid.positions[..]));
+    suspension.set_obstacles(&meshes, &Vec::from_iter(obstacles));
     suspension.set_course(scene.course.clone());
     suspension.set_cluster_tolerance(driver.cluster_tolerance_at(positions.len()));
     // The nesting is determined once, because membranes do not pass through each other.

@@ -289,7 +289,6 @@ pub(super) fn fields(
 
 /// The numbers that a picture shows on a surface; none if no effect there has them.
 pub(super) fn picture_field(
-    simulation: &Simulation,
     body: &Body,
     positions: &[[f64; 3]],
     acting: &[Acting],

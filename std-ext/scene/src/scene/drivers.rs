@@ -51,6 +51,11 @@ impl Driver {
         }
     }
 
+    /// Whether interactions act between surfaces and obstacles; on a lattice, the fluid keeps them apart.
+    pub(crate) fn meets_obstacles(&self) -> bool {
+        !matches!(self, Self::LatticeBoltzmann(_))
+    }
+
     /// The ambient flow; `None` for drivers without one.
     pub fn flow(&self) -> Option<&Flow> {
         match self {

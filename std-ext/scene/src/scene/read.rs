@@ -137,7 +137,7 @@ impl Builder<'_> {
         let course = self.course(table);
         let images = driver.as_ref().map(Driver::images);
         let solids = scene.tables("obstacle");
-        let obstacles = self.obstacles(&solids, driver.as_ref());
+        let obstacles = self.obstacles(&solids);
         for (obstacle, solid) in obstacles.iter().zip(&solids) {
             if surfaces.iter().any(|surface| surface.name == obstacle.name) {
                 let name = &obstacle.name;
@@ -149,13 +149,14 @@ impl Builder<'_> {
             }
         }
         let relaxes = matches!(driver, Some(Driver::Relax(_)));
+        let met = driver.as_ref().is_some_and(Driver::meets_obstacles);
         let bodies = Bodies {
             names: Vec::from_iter(
                 (surfaces.iter().map(|surface| surface.name.as_str()))
                     .chain(obstacles.iter().map(|obstacle| obstacle.name.as_str())),
             ),
             surfaces: surfaces.len(),
-            all: surfaces.len() + if relaxes { obstacles.len() } else { 0 },
+            all: surfaces.len() + if met { obstacles.len() } else { 0 },
         };
         if let ([], true, [first, ..]) = (interactions.as_slice(), relaxes, solids.as_slice()) {
             self.contradiction(

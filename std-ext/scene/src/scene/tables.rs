@@ -37,8 +37,8 @@ pub(super) static SCENE: Keys = plain(&[
     optional(
         "obstacle",
         Form::Tables(&OBSTACLE),
-        "A closed body at rest: in the fluid of the driver \"lattice-boltzmann\", or one that an interaction keeps \
-         surfaces away from, with \"relax\".",
+        "A closed body at rest: in a fluid, which does not slip on it, or one that an interaction keeps surfaces away from, \
+         with the driver \"relax\".",
     ),
     required(
         "driver",
@@ -63,7 +63,7 @@ const BETWEEN: Key = optional(
     "between",
     Form::Pair,
     "Names of two surfaces, or of a surface and an obstacle; by default every pair of surfaces interacts, in a \
-     periodic box every surface with its own images, and with the driver \"relax\" every surface with every obstacle. \
+     periodic box every surface with its own images, and, but on a lattice, every surface with every obstacle. \
      If both names are the same, the surface interacts with itself only: with its own images, and with `parts`.",
 );
 

@@ -81,8 +81,8 @@ pub fn build(file: &SceneFile) -> Result<(Simulation, Vec<[f64; 3]>), BuildError
     let obstacles = obstacles(file, &bounded, &mut files, &mut warnings)?;
     let images = scene.driver.images();
     let between = scene.interactions.iter();
-    let relaxes = matches!(scene.driver, scene::Driver::Relax(_));
-    let count = [bodies.len(), if relaxes { obstacles.len() } else { 0 }];
+    let met = scene.driver.meets_obstacles();
+    let count = [bodies.len(), if met { obstacles.len() } else { 0 }];
     let between =
         between.map(|interaction| between_bodies(interaction, &bodies, &obstacles, count, images));
     let between = between.collect();

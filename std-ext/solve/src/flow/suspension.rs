@@ -1,5 +1,7 @@
 //! Membranes suspended in Stokes flow.
 
+mod obstacles;
+
 use super::{
     Ambient, Course, DoubleLayer, Effort, Fluid, Gmres, KeptVolumes, LocalMobility, Membranes,
     Recent, Redistribution, SingleLayer,
@@ -7,6 +9,8 @@ use super::{
 use crate::dynamics::Membrane;
 use crate::dynamics::integrate::RightHandSide;
 use helfrich::TriangleMesh;
+use obstacles::Obstacles;
+use std::borrow::Cow;
 use std::num::NonZeroUsize;
 use std::sync::Arc;
 use std::time::Instant;
@@ -19,7 +23,8 @@ pub const SOLUTION_TOLERANCE: f64 = 1e-8;
 /// [kept](Self::keep_volumes) moves nothing, and is left out: see [`KeptVolumes::balance`].
 ///
 /// Where viscosities differ inside and outside, or membranes are viscous themselves, forces depend on
-/// the velocities, which are then the solution of a linear system: `u = b + K u`.
+/// the velocities, which are then the solution of a linear system: `u = b + K u`. Around [obstacles](Self::set_obstacles)
+/// the tractions that make the velocity 0 on them are further unknowns.
 #[derive(Debug)]
 pub struct Suspension {
     ambient: Option<Ambient>,
@@ -29,6 +34,7 @@ pub struct Suspension {
     single: SingleLayer,
     /// The double layer, only where viscosities differ.
     double: Option<DoubleLayer>,
+    obstacles: Option<Obstacles>,
     cluster_tolerance: f64,
     volumes: KeptVolumes,
     redistribution: Redistribution,
@@ -36,10 +42,13 @@ pub struct Suspension {
     mobility: Option<LocalMobility>,
     /// The last velocities of the material.
     material: Vec<[f64; 3]>,
+    /// Forces and velocities of membranes, then those of obstacles.
     forces: Vec<[f64; 3]>,
+    velocities: Vec<[f64; 3]>,
     solver: Gmres,
     /// The last solutions, from which the next one starts.
     recent: Recent,
+    /// Velocities of membranes, then tractions of obstacles.
     solution: Vec<[f64; 3]>,
     products: u64,
     single_layers: Effort,
@@ -72,7 +81,9 @@ impl Suspension {
             course: Course::Steady,
             factor: 1.0,
             double: contrast.then(|| DoubleLayer::new(borrowed(), viscosity_ratios, threads)),
+            obstacles: None,
             forces: vec![[0.0; 3]; single.vertex_count()],
+            velocities: vec![[0.0; 3]; single.vertex_count()],
             single,
             cluster_tolerance: 0.0,
             volumes: KeptVolumes::default(),
@@ -95,6 +106,40 @@ impl Suspension {
     pub fn set_surroundings(&mut self, surroundings: &[Option<usize>]) {
         if let Some(double) = &mut self.double {
             double.set_surroundings(surroundings);
+        }
+    }
+
+    /// Puts closed rigid bodies at rest into the fluid, outside of the membranes, which are given once more. The fluid does
+    /// not slip on them.
+    ///
+    /// # Panics
+    /// If there are 2³² vertices or more, or an obstacle has not one position per vertex.
+    pub fn set_obstacles(
+        &mut self,
+        membranes: &[Arc<TriangleMesh>],
+        obstacles: &[(&TriangleMesh, &[[f64; 3]])],
+    ) {
+        if obstacles.is_empty() {
+            return;
+        }
+        let solids = obstacles.iter().map(|(mesh, _)| *mesh);
+        let meshes = membranes.iter().map(|mesh| &**mesh).chain(solids);
+        let SingleLayer {
+            viscosity, threads, ..
+        } = self.single;
+        self.single = SingleLayer::new(meshes, viscosity, threads);
+        self.single.set_cluster_tolerance(self.cluster_tolerance);
+        self.obstacles = Some(Obstacles::new(obstacles, viscosity));
+        for all in [&mut self.forces, &mut self.velocities] {
+            all.resize(self.single.vertex_count(), [0.0; 3]);
+        }
+    }
+
+    /// Positions of the membranes and of the obstacles.
+    fn everywhere<'a>(&self, positions: &'a [[f64; 3]]) -> Cow<'a, [[f64; 3]]> {
+        match &self.obstacles {
+            None => Cow::Borrowed(positions),
+            Some(obstacles) => Cow::Owned([positions, &obstacles.positions].concat()),
         }
     }
 
@@ -186,34 +231,46 @@ impl Suspension {
         positions: &[[f64; 3]],
         velocities: &mut [[f64; 3]],
     ) -> Result<(), String> {
-        membranes.set_forces(positions, &mut self.forces)?;
-        self.volumes.balance(positions, &mut self.forces);
-        velocities.fill([0.0; 3]);
+        let everywhere = self.everywhere(positions);
+        let (own, solid) = self.forces.split_at_mut(positions.len());
+        membranes.set_forces(positions, own)?;
+        self.volumes.balance(positions, own);
+        solid.fill([0.0; 3]);
+        let all = &mut self.velocities;
+        all.fill([0.0; 3]);
         if let Some(ambient) = &self.ambient {
-            ambient.add_velocity(positions, velocities);
-            scale(velocities, self.factor);
+            ambient.add_velocity(&everywhere, all);
+            scale(all, self.factor);
         }
         let start = Instant::now();
-        self.single.set_forces(positions, &self.forces);
-        self.single.add_at_vertices(velocities);
+        self.single.set_forces(&everywhere, &self.forces);
+        self.single.add_at_vertices(all);
         self.single_layers.add(start);
-        if self.double.is_some() || membranes.are_viscous() {
-            self.solve(membranes, positions, velocities)?;
+        if self.solves(membranes) {
+            self.solve(membranes, positions, &everywhere)?;
         }
+        velocities.copy_from_slice(&self.velocities[..positions.len()]);
         Ok(())
     }
 
-    /// Solves `u = b + K u` for u.
+    /// Whether velocities are the solution of a linear system.
+    fn solves(&self, membranes: &dyn Membranes) -> bool {
+        self.double.is_some() || self.obstacles.is_some() || membranes.are_viscous()
+    }
+
+    /// Solves `u = b + K u` for u, and for the tractions of obstacles.
     fn solve(
         &mut self,
         membranes: &mut dyn Membranes,
         positions: &[[f64; 3]],
-        velocities: &mut [[f64; 3]],
+        everywhere: &[[f64; 3]],
     ) -> Result<(), String> {
         let Self {
             single,
             double,
+            obstacles,
             forces,
+            velocities,
             solver,
             recent,
             solution,
@@ -222,33 +279,54 @@ impl Suspension {
             double_layers,
             ..
         } = self;
-        solution.clear();
-        solution.extend_from_slice(velocities);
-        recent.guess(velocities, solution);
+        let count = positions.len();
         if let Some(double) = double {
             double.set_positions(positions);
         }
-        let mut apply = |u: &[[f64; 3]], product: &mut [[f64; 3]]| {
+        let mut apply = |x: &[[f64; 3]], product: &mut [[f64; 3]]| {
+            let (u, tractions) = x.split_at(count);
             product.fill([0.0; 3]);
             if let Some(double) = double {
                 let start = Instant::now();
                 double.set_velocities(u);
-                double.add_at_vertices(product);
+                let (own, solid) = product.split_at_mut(count);
+                double.add_at_vertices(own);
+                if let Some(obstacles) = obstacles {
+                    double.add_at_points(&obstacles.positions, solid);
+                }
                 double_layers.add(start);
             }
-            if membranes.are_viscous() {
-                forces.fill([0.0; 3]);
-                membranes.add_viscous_forces(positions, u, forces);
+            if membranes.are_viscous() || obstacles.is_some() {
+                let (own, solid) = forces.split_at_mut(count);
+                own.fill([0.0; 3]);
+                if membranes.are_viscous() {
+                    membranes.add_viscous_forces(positions, u, own);
+                }
+                if let Some(obstacles) = obstacles {
+                    obstacles.set_forces(tractions, solid);
+                }
                 let start = Instant::now();
-                single.set_forces(positions, forces);
+                single.set_forces(everywhere, forces);
                 single.add_at_vertices(product);
                 single_layers.add(start);
             }
-            let entries = product.as_flattened_mut().iter_mut();
+            let (own, solid) = product.split_at_mut(count);
+            let entries = own.as_flattened_mut().iter_mut();
             for (product, u) in entries.zip(u.as_flattened()) {
                 *product = u - *product;
             }
+            // The velocity on obstacles is 0: that of all else is minus that of their tractions.
+            if let Some(obstacles) = obstacles {
+                obstacles.add_mean_pressure(tractions, solid);
+            }
         };
+        // `b + K u + S q = 0` on obstacles.
+        for component in velocities[count..].as_flattened_mut() {
+            *component = -*component;
+        }
+        solution.clear();
+        solution.extend_from_slice(velocities);
+        recent.guess(velocities, solution);
         let solved = solver.solve(&mut apply, velocities, solution);
         *products += solved.products as u64;
         if solved.converged {
@@ -257,7 +335,7 @@ impl Suspension {
             return Ok(());
         }
         Err(format!(
-            "after {} products the velocities that viscosity makes depend on themselves are still \
+            "after {} products the velocities, which viscosity or obstacles make depend on themselves, are still \
              wrong by {:.1e} of their size, and {:.0e} is needed",
             solved.products, solved.residual, solver.tolerance
         ))
@@ -296,19 +374,25 @@ impl Suspension {
                 *pressure += self.factor * ambient.pressure(point, self.single.viscosity);
             }
         }
-        membranes.set_forces(positions, &mut self.forces)?;
+        let everywhere = self.everywhere(positions);
+        let count = positions.len();
+        let (own, solid) = self.forces.split_at_mut(count);
+        membranes.set_forces(positions, own)?;
         if membranes.are_viscous() {
-            membranes.add_viscous_forces(positions, &self.solution, &mut self.forces);
+            membranes.add_viscous_forces(positions, &self.solution[..count], own);
         }
-        self.single.set_forces(positions, &self.forces);
+        if let Some(obstacles) = &self.obstacles {
+            obstacles.set_forces(&self.solution[count..], solid);
+        }
+        self.single.set_forces(&everywhere, &self.forces);
         self.single
             .add_pressure_at_points(points, &mut fluid.pressure);
-        self.volumes.balance(positions, &mut self.forces);
-        self.single.set_forces(positions, &self.forces);
+        self.volumes.balance(positions, &mut self.forces[..count]);
+        self.single.set_forces(&everywhere, &self.forces);
         self.single.add_at_points(points, &mut fluid.velocity);
         if let Some(double) = &mut self.double {
             double.set_positions(positions);
-            double.set_velocities(&self.solution);
+            double.set_velocities(&self.solution[..count]);
             double.add_at_points(points, &mut fluid.velocity);
             double.add_pressure_at_points(self.single.viscosity, points, &mut fluid.pressure);
             let mut ratios = vec![1.0; points.len()];
@@ -373,6 +457,11 @@ impl Suspension {
     /// Whether fluids of several viscosities meet.
     pub fn has_contrast(&self) -> bool {
         self.double.is_some()
+    }
+
+    /// Whether there are bodies at rest.
+    pub fn has_obstacles(&self) -> bool {
+        self.obstacles.is_some()
     }
 }
 

@@ -1,6 +1,6 @@
-//! Runs whose surfaces touch themselves.
+//! Runs whose surfaces touch themselves, or pass obstacles.
 
-use super::remeshing::runs;
+use super::remeshing::{column, continues, runs};
 use helfrich::{Surface, crossing_triangles};
 use helfrich_std::io::read;
 use helfrich_std::run::End;
@@ -45,4 +45,58 @@ pictures = false
         assert_eq!(crossing_triangles(surface).is_empty(), parts);
         assert_eq!(summary.end == End::Converged, parts, "{}", summary.message);
     }
+}
+
+/// A drop in shear flow passes an obstacle, on which the fluid does not slip: it is slower than without, keeps its volume, and
+/// continues to the bit.
+#[test]
+fn a_drop_passes_an_obstacle() {
+    let folder = TempDir::new().expect("a folder");
+    let text = |obstacle: &str| {
+        format!(
+            r#"
+units = "none"
+[[surface]]
+shape = "sphere:1"
+vertices = 162
+position = [-1.5, 0.8, 0]
+remesh = "auto"
+tension.value = 1
+{obstacle}[driver]
+kind = "boundary-integral"
+viscosity = 1
+flow = {{ kind = "shear", rate = 0.2 }}
+strain = 2
+[output]
+interval = 1
+checkpoint_every = 3
+files_every = 100000
+pictures = false
+"#
+        )
+    };
+    let obstacle =
+        "[[obstacle]]\nshape = \"sphere:0.8\"\nvertices = 162\nposition = [1, -0.4, 0]\n";
+    let reached = ["", obstacle].map(|obstacle| {
+        let out = folder
+            .path()
+            .join(if obstacle.is_empty() { "free" } else { "out" });
+        let summary = runs(&text(obstacle), folder.path(), &out, false, usize::MAX);
+        assert_eq!(summary.end, End::Completed, "{}", summary.message);
+        let volumes = column(&out, "volume");
+        for volume in &volumes {
+            assert!((volume / volumes[0] - 1.0).abs() < 1e-11, "{volumes:?}");
+        }
+        let last = read(&out.join("last.vtp")).expect("a mesh");
+        let sum: f64 = last.positions.iter().map(|x| x[0]).sum();
+        sum / last.positions.len() as f64
+    });
+    let [free, held] = reached;
+    assert!(held < free - 0.1, "{held} {free}");
+    continues(
+        &text(obstacle),
+        folder.path(),
+        &folder.path().join("out"),
+        4,
+    );
 }

@@ -440,25 +440,9 @@ impl Builder<'_> {
         }
     }
 
-    /// Bodies at rest: in a box of fluid, which flows around them, and in relaxations, where interactions keep
-    /// surfaces away from them.
-    pub(super) fn obstacles(
-        &mut self,
-        readers: &[Reader<'_>],
-        driver: Option<&Driver>,
-    ) -> Vec<ObstacleScene> {
-        if let (Some(driver), [first, ..]) = (driver, readers)
-            && matches!(driver, Driver::BoundaryIntegral(_))
-        {
-            self.contradiction(
-                first.origin(),
-                format!(
-                    "fluid would flow through an obstacle with the driver \"{}\": leave [[obstacle]] out, or \
-                     choose the driver \"lattice-boltzmann\" or \"relax\"",
-                    driver.name()
-                ),
-            );
-        }
+    /// Bodies at rest: in a fluid, which flows around them, and in relaxations, where interactions keep surfaces away from
+    /// them.
+    pub(super) fn obstacles(&mut self, readers: &[Reader<'_>]) -> Vec<ObstacleScene> {
         let mut obstacles = Vec::with_capacity(readers.len());
         for (index, reader) in readers.iter().enumerate() {
             obstacles.push(ObstacleScene {

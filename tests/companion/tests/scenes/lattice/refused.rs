@@ -48,15 +48,6 @@ fn what_needs_a_lattice_says_so() {
         ("lattice-boltzmann", "boundary-integral"),
         ("resolution = 6\n", ""),
     ]);
-    let obstacle = "[[obstacle]]\nshape = \"sphere:1\"\nvertices = 42\n";
-    refused(
-        &(integral.clone() + obstacle),
-        [15, 1],
-        &[
-            "fluid would flow through an obstacle",
-            "\"lattice-boltzmann\" or \"relax\"",
-        ],
-    );
     refused(
         &(integral.clone() + "[[output.volume]]\n"),
         [15, 1],
