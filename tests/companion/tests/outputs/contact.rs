@@ -47,8 +47,7 @@ pictures = false
     }
 }
 
-/// A drop in shear flow passes an obstacle, on which the fluid does not slip: it is slower than without, keeps its volume, and
-/// continues to the bit.
+/// A drop in shear flow gives way to an obstacle, on which the fluid does not slip, keeps its volume, and continues to the bit.
 #[test]
 fn a_drop_passes_an_obstacle() {
     let folder = TempDir::new().expect("a folder");
@@ -88,11 +87,11 @@ pictures = false
             assert!((volume / volumes[0] - 1.0).abs() < 1e-11, "{volumes:?}");
         }
         let last = read(&out.join("last.vtp")).expect("a mesh");
-        let sum: f64 = last.positions.iter().map(|x| x[0]).sum();
+        let sum: f64 = last.positions.iter().map(|x| x[1]).sum();
         sum / last.positions.len() as f64
     });
-    let [free, held] = reached;
-    assert!(held < free - 0.1, "{held} {free}");
+    let [free, aside] = reached;
+    assert!(aside > free + 0.05, "{aside} {free}");
     continues(
         &text(obstacle),
         folder.path(),
