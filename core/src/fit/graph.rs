@@ -156,7 +156,7 @@ fn product<L: Lane>(a: Series<L>, b: Series<L>) -> Series<L> {
     ]
 }
 
-/// What [`bending`] finds.
+/// The result of [`bending`].
 pub(crate) struct Bending<L> {
     /// H_x and H_y.
     pub(crate) of_mean: [L; 2],

@@ -121,7 +121,7 @@ pub struct Acting {
 }
 
 impl Acting {
-    /// Of all effects as [`Simulation::resolve`] returns them, those of a body, in their order, and those between bodies.
+    /// The effects of a body, in their order, and those between bodies, of all that [`Simulation::resolve`] returns.
     pub fn of<'a>(all: &'a [Self], body: &Body) -> [&'a [Self]; 2] {
         let (own, between) = all.split_at(all.partition_point(|acting| !acting.between));
         let Range { start, end } = body.vertices();

@@ -33,7 +33,7 @@ pub(super) struct Felt<T> {
     pub(super) turn: Vec3<T>,
 }
 
-/// What a surface feels: the parts of itself that face it, given its unit normal, or all of another one.
+/// A rule for the part of a surface that is felt: all of another surface, or the parts of the same one that face a vertex.
 pub(super) trait Sight<T>: Copy {
     /// Whether forces are not along the difference from the nearest point.
     const IS_TILTED: bool;
@@ -121,8 +121,8 @@ impl<T: Real> Felt<T> {
     /// Adds the potential of a point of a triangle with these edges from its first corner.
     ///
     /// The gradient of a potential that depends on the distance alone treats the weights as fixed, because the point is the
-    /// nearest one. A force F that is not along the difference p turns it: with the part of F across the face or side alone
-    /// acting on the weights, corner k has −w_k F − (F·∇w_k) p.
+    /// nearest one. With a force F that is not along the difference p, the weights w_k change, too: the point feels the part
+    /// F' of F at right angles to the triangle or side, and corner k feels −w_k F' − (F·∇w_k) p.
     #[inline(always)]
     fn add<S: Sight<T>>(
         &mut self,
