@@ -28,13 +28,13 @@
 //! such files is refused ([`run::RunError::NoPictures`]).
 
 pub use helfrich_draw::picture;
-pub use helfrich_evaluate::{
-    checked, contact, effect, execute, held, method, noise, ordered, remesh, scalar,
-};
+pub use helfrich_evaluate::{effect, method, scalar};
+pub use helfrich_execute::{execute, ordered};
 pub use helfrich_mesh::{
     enclosure, generate, info, io, orientation, parting, polygon, repair, section, subdivide,
 };
 pub use helfrich_run::{checkpoint, lock, plots, run, sweep};
 pub use helfrich_scene::{scene, series, simulation};
+pub use helfrich_shape::{checked, contact, held, noise, remesh};
 pub use helfrich_solve::{deformation, dynamics, flow, smoothing};
 pub use helfrich_study::{answer, measurement, provenance, recommend, report, study, verdict};

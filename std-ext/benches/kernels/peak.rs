@@ -2,7 +2,7 @@
 //! these loops do not use because they would change bits.
 
 use crate::counted::Operations;
-use helfrich_evaluate::execute::dispatch;
+use helfrich_execute::execute::dispatch;
 use pulp::NullaryFnOnce;
 use std::hint::black_box;
 use std::time::Instant;

@@ -18,7 +18,9 @@ pub mod sweep;
 
 // Modules of other packages, which the modules here name by `crate::`.
 use helfrich_draw::picture;
-use helfrich_evaluate::{effect, execute, held, method, remesh, scalar};
+use helfrich_evaluate::{effect, method, scalar};
+use helfrich_execute::execute;
 use helfrich_mesh::{enclosure, generate, info, io, parting};
 use helfrich_scene::{scene, series, simulation, six};
+use helfrich_shape::{held, remesh};
 use helfrich_solve::{deformation, dynamics, flow};

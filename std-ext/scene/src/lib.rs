@@ -11,6 +11,8 @@ pub mod simulation;
 pub mod six;
 
 // Modules of other packages, which the modules here name by `crate::`.
-use helfrich_evaluate::{checked, contact, effect, execute, held, method, noise, ordered, scalar};
+use helfrich_evaluate::{effect, method, scalar};
+use helfrich_execute::{execute, ordered};
 use helfrich_mesh::{enclosure, generate, info, io};
+use helfrich_shape::{checked, contact, held, noise};
 use helfrich_solve::{dynamics, flow};

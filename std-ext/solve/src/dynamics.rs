@@ -32,7 +32,7 @@ mod relaxation;
 mod secants;
 pub(crate) mod vector;
 
-pub use helfrich_evaluate::held::Held;
+pub use helfrich_shape::held::Held;
 pub use relaxation::{
     Failure, Mode, ModesError, Outcome, Relaxation, SetupError, State, StepReport, modes,
 };

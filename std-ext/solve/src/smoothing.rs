@@ -4,9 +4,9 @@
 use crate::dynamics::cholesky::{Factor, Pattern};
 use crate::dynamics::cotangents::{self, Cotangents};
 use helfrich::{Noise, Smoothing, Surface, VertexKind};
-use helfrich_evaluate::execute::look_for_interruption;
-use helfrich_evaluate::held::{VolumeError, keep_volumes};
-use helfrich_evaluate::noise::{NotQuieted, Quieted, noise_seen};
+use helfrich_execute::execute::look_for_interruption;
+use helfrich_shape::held::{VolumeError, keep_volumes};
+use helfrich_shape::noise::{NotQuieted, Quieted, noise_seen};
 
 /// A way to smooth.
 #[derive(Clone, Copy, Debug, PartialEq)]

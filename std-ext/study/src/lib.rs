@@ -17,8 +17,10 @@ pub mod verdict;
 
 // Modules of other packages, which the modules here name by `crate::`.
 use helfrich_draw::picture;
-use helfrich_evaluate::{execute, method, noise, scalar};
+use helfrich_evaluate::{method, scalar};
+use helfrich_execute::execute;
 use helfrich_mesh::{generate, info, io};
 use helfrich_run::{findings, lock, plots, png, run, sweep};
 use helfrich_scene::{series, six};
+use helfrich_shape::noise;
 use helfrich_solve::smoothing;

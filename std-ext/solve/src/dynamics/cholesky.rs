@@ -5,7 +5,7 @@
 //! An implementation of our own, because it is short and rounds identically on every machine.
 
 use helfrich::TriangleMesh;
-use helfrich_evaluate::execute::look_for_interruption;
+use helfrich_execute::execute::look_for_interruption;
 
 /// Index that stands for no vertex or column.
 const NONE: u32 = u32::MAX;

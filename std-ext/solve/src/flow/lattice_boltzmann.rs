@@ -38,7 +38,7 @@ use super::vectors::Vectors;
 use boundary::Links;
 use collision::{Fluid, Slab};
 use force::{NodalForces, NodalVelocities};
-use helfrich_evaluate::execute::in_parts;
+use helfrich_execute::execute::in_parts;
 use pulp::Arch;
 use serde::{Deserialize, Serialize};
 use std::array;

@@ -3,7 +3,7 @@
 use crate::dynamics::Held;
 use glam::DVec3;
 use helfrich::{AnyFunctional, Constraint, Constraints, Surface, TriangleMesh};
-use helfrich_evaluate::held::Quantity;
+use helfrich_shape::held::Quantity;
 use std::ops::Range;
 use std::sync::Arc;
 

@@ -2,7 +2,7 @@
 
 use super::interpolation::Grid;
 use glam::{DMat3, DVec3};
-use helfrich_evaluate::execute::in_two;
+use helfrich_execute::execute::in_two;
 use std::ops::Range;
 
 /// Points in a box along their principal axes.

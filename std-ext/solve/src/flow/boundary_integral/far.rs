@@ -13,7 +13,7 @@ use super::partial_sums::PartialSums;
 use super::sums::{self, Columns};
 use crate::flow::vectors::Vectors;
 use glam::DVec3;
-use helfrich_evaluate::execute::{in_parts, in_two};
+use helfrich_execute::execute::{in_parts, in_two};
 use pulp::Arch;
 use std::collections::VecDeque;
 use std::marker::PhantomData;

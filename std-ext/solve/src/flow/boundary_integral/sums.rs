@@ -2,7 +2,7 @@
 
 use super::kernel::{Kernel, splat};
 use crate::flow::vectors::{Vector, Vectors};
-use helfrich_evaluate::execute::in_parts;
+use helfrich_execute::execute::in_parts;
 use pulp::{Arch, Simd, WithSimd};
 use std::num::NonZeroUsize;
 

@@ -12,7 +12,7 @@ pub use kernel::Kernel;
 use crate::flow::lattice_boltzmann::force::{ForceSlab, NodalVelocities, checked_force};
 use crate::flow::lattice_boltzmann::reading::{Moments, Row};
 use crate::flow::lattice_boltzmann::{Lattice, LatticeError, Precision, number};
-use helfrich_evaluate::execute::in_parts;
+use helfrich_execute::execute::in_parts;
 use kernel::Stencil;
 use rows::Rows;
 

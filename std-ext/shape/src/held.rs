@@ -1,11 +1,11 @@
 //! Functionals of the components of one membrane: their values, gradients, and exact constraints.
 
 use crate::execute::Parallel;
-use crate::method::BendingMethod;
 use helfrich::{
     AnyFunctional, ConstraintError, Constraints, Correction, Functional, PatchFunctional, Prepared,
     Surface, Targets, TriangleMesh,
 };
+use helfrich_evaluate::method::BendingMethod;
 use std::sync::Arc;
 
 /// The functionals by which area and enclosed volume of a surface are held and reported.

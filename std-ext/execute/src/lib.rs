@@ -1,0 +1,7 @@
+//! Threads and wide vectors for the loops of [`helfrich`].
+//!
+//! * [`execute`]: the loops of the core on several threads, in vectors chosen at run time.
+//! * [`ordered`]: large meshes in a cache-friendly order.
+
+pub mod execute;
+pub mod ordered;
