@@ -5,7 +5,7 @@
 //!   [`subdivide`]: refined meshes.
 //! * [`method`] and [`scalar`]: the bending methods and number types, chosen at run time.
 //!   [`info`]: properties of a mesh. [`orientation`]: components
-//!   that are inside out. [`polygon`]: polygons divided into triangles. [`repair`]: meshes made of
+//!   that are inside out. [`packing`]: bodies placed at random in a box. [`polygon`]: polygons divided into triangles. [`repair`]: meshes made of
 //!   triangles that are none.
 //! * [`measurement`]: curvatures with error bars, by jets that choose their scale from the noise.
 //! * [`execute`]: threads and wide vectors for the core's loops.
@@ -31,7 +31,8 @@ pub use helfrich_draw::picture;
 pub use helfrich_evaluate::{effect, method, scalar};
 pub use helfrich_execute::{execute, ordered};
 pub use helfrich_mesh::{
-    enclosure, generate, info, io, orientation, parting, polygon, repair, section, subdivide,
+    enclosure, generate, info, io, orientation, packing, parting, polygon, repair, section,
+    subdivide,
 };
 pub use helfrich_run::{checkpoint, lock, plots, run, sweep};
 pub use helfrich_scene::{scene, series, simulation};

@@ -22,6 +22,7 @@
 //! not replace files that it finds in its folder, nor any run a file that its scene reads.
 
 mod acts;
+mod census;
 mod clock;
 mod costs;
 mod curved;
@@ -52,6 +53,7 @@ use crate::lock::Lock;
 use crate::scene::{Driver, Scene};
 use crate::series::{Series, SeriesError, SeriesTable};
 use crate::simulation::{Acting, Body, EffectCost, Simulation, messages_once};
+use census::Census;
 use costs::OutputCosts;
 use drive::{Drive, Mark};
 pub use error::RunError;
@@ -160,7 +162,7 @@ pub fn run(
         measures,
         remesher,
         drive,
-        columns,
+        census,
         plots,
     } = plan(scene, &mut simulation, positions, state)?;
     let lock = match resume {
@@ -168,7 +170,7 @@ pub fn run(
         false => Some(folder::make(folder, lock)?),
     };
     folder::tidy(folder);
-    let columns = Vec::from_iter(columns.iter().map(String::as_str));
+    let columns = Vec::from_iter(census.columns().iter().map(String::as_str));
     let (series, outputs, last) = match outputs {
         Some(outputs) => {
             let series = Series::resume(&series_path, &columns, outputs.rows);
@@ -196,6 +198,7 @@ pub fn run(
         measures,
         remesher,
         drive,
+        census,
         plots,
         series,
         outputs: outputs.unwrap_or_default(),
@@ -215,7 +218,7 @@ struct PlannedRun<'a> {
     measures: Measures,
     remesher: Remesher,
     drive: Box<dyn Drive + 'a>,
-    columns: Vec<String>,
+    census: Census,
     plots: Vec<PlannedPlot<'a>>,
 }
 
@@ -256,6 +259,8 @@ fn plan<'a>(
     }
     let mut columns = measures.columns(&*drive, simulation);
     columns.extend(Run::probe_columns(scene));
+    let census = Census::new(scene, &columns);
+    let mut columns = census.columns().to_vec();
     let mut seen = HashSet::new();
     let repeated = columns.iter().position(|column| !seen.insert(column));
     if let Some(at) = repeated {
@@ -269,7 +274,7 @@ fn plan<'a>(
         measures,
         remesher,
         drive,
-        columns,
+        census,
         plots,
     })
 }
@@ -290,6 +295,7 @@ struct Run<'a> {
     measures: Measures,
     remesher: Remesher,
     drive: Box<dyn Drive + 'a>,
+    census: Census,
     plots: Vec<PlannedPlot<'a>>,
     series: Series,
     /// Costs and seconds include those of the resumed runs.
@@ -446,6 +452,7 @@ impl Run<'_> {
         self.doubt(flagged.iter().flatten());
         self.outputs.output_costs.quality.add(start);
         row.extend(self.probe());
+        let row = self.census.row(&row);
         let start = Instant::now();
         let output = |error: SeriesError| RunError::Output(Box::new(error));
         self.series.append(&row).map_err(output)?;
@@ -544,9 +551,8 @@ impl Run<'_> {
         let start = Instant::now();
         self.write_last()?;
         self.outputs.output_costs.files.add(start);
-        let mut columns = self.measures.columns(&*self.drive, &self.simulation);
-        columns.extend(Self::probe_columns(self.scene));
-        let last = columns.into_iter().zip(self.last.clone());
+        let columns = self.census.columns().iter().cloned();
+        let last = columns.zip(self.last.clone());
         let work = self.drive.work();
         // The last row may be from the resumed run.
         let start = Instant::now();
@@ -589,7 +595,7 @@ impl Run<'_> {
             seconds,
             last: last.collect(),
             parts: outputs.parts(work.iterations, in_effects, seconds),
-            effects,
+            effects: Census::costs(self.scene, effects),
             flagged,
             energy_estimates,
             remeshings: self.remesher.events().to_vec(),

@@ -23,6 +23,7 @@ mod mesh_source;
 mod output;
 mod overrides;
 mod parameter;
+mod population;
 mod problem;
 mod read;
 mod reader;
@@ -59,6 +60,7 @@ pub use output::{Every, Output, PictureField, Pictures, Plot, Probe, Slice, Volu
 pub use overrides::{OverrideSyntaxError, Overrides};
 pub use parameter::Parameter;
 pub(crate) use parameter::Parameters;
+pub use population::PopulationScene;
 pub use problem::{Place, Problem, SceneError, SceneErrors};
 pub use remesh::{Extent, Remesh, Topology};
 pub use schema::json_schema;
@@ -88,6 +90,9 @@ pub struct Scene {
     pub temperature: Option<f64>,
     /// The surfaces, at least one, with different names.
     pub surfaces: Vec<SurfaceScene>,
+    /// Which of the surfaces are populations; they come after the others.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub populations: Vec<PopulationScene>,
     /// Interactions between surfaces.
     pub interactions: Vec<InteractionScene>,
     /// Bodies at rest in the fluid, with different names.
@@ -103,6 +108,26 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// The population of a surface, with its place among the populations.
+    pub fn population_of(&self, surface: usize) -> Option<(usize, &PopulationScene)> {
+        let mut populations = self.populations.iter().enumerate();
+        populations.find(|(_, population)| population.surfaces.contains(&surface))
+    }
+
+    /// Whether a surface is a copy of the one before it, at another place.
+    pub(crate) fn is_copy(&self, surface: usize) -> bool {
+        let population = self.population_of(surface);
+        population.is_some_and(|(_, population)| surface > population.surfaces.start)
+    }
+
+    /// The path of a surface's table, such as `surface.0`.
+    pub(crate) fn path_of(&self, surface: usize) -> String {
+        match self.population_of(surface) {
+            Some((index, _)) => format!("population.{index}"),
+            None => format!("surface.{surface}"),
+        }
+    }
+
     /// Memory of the driver's lattice in bytes: populations, forces and velocities at vertices,
     /// obstacles and viscosities. 0 without a lattice.
     pub(crate) fn lattice_memory(&self) -> u64 {

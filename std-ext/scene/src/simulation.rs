@@ -20,6 +20,7 @@ pub use error::BuildError;
 pub use explain::{Active, Explanation, LatticeExplanation, SurfaceExplanation};
 #[doc(hidden)]
 pub use once::messages_once;
+pub(crate) use placed::Placed;
 
 use crate::checked;
 use crate::contact::repel;
@@ -84,7 +85,7 @@ pub struct Obstacle {
     /// The obstacle's name.
     pub name: String,
     /// Its mesh.
-    pub mesh: TriangleMesh,
+    pub mesh: Arc<TriangleMesh>,
     /// The positions of its vertices.
     pub positions: Vec<[f64; 3]>,
 }

@@ -1,7 +1,7 @@
 //! The files of a run for viewers: surfaces, pictures, slices of the fluid, plots.
 
 use super::drive::Mark;
-use super::folder::last_name;
+use super::measure::Values;
 use super::{Run, RunError, make_folder, measure};
 use crate::flow::Fluid;
 use crate::io::{
@@ -19,7 +19,7 @@ use crate::scene::{
 use crate::series::SeriesTable;
 use crate::simulation::{Acting, Body, Simulation};
 use glam::DVec3;
-use helfrich::Surface;
+use helfrich::{Surface, TriangleMesh};
 use std::path::Path;
 use std::time::Instant;
 
@@ -96,14 +96,126 @@ fn save_picture(canvas: &Canvas, path: &Path) -> Result<(), RunError> {
     })
 }
 
+/// Surfaces that are in one file: a surface, or those of a population.
+pub(super) struct Shown<'a> {
+    name: &'a str,
+    bodies: &'a [Body],
+    is_population: bool,
+}
+
+/// Fields by their names.
+type Fields = Vec<(String, Values)>;
+
+impl<'a> Shown<'a> {
+    /// All surfaces of a scene, file by file.
+    pub(super) fn all(scene: &'a Scene, simulation: &'a Simulation) -> Vec<Self> {
+        let bodies = simulation.bodies();
+        let alone = scene.populations.first();
+        let alone = alone.map_or(bodies.len(), |population| population.surfaces.start);
+        let alone = bodies[..alone].chunks(1).map(|bodies| Self {
+            name: bodies[0].name(),
+            bodies,
+            is_population: false,
+        });
+        let populations = scene.populations.iter().map(|population| Self {
+            name: &population.name,
+            bodies: &bodies[population.surfaces.clone()],
+            is_population: true,
+        });
+        alone.chain(populations).collect()
+    }
+
+    /// The name of the file with the last state of one of `count` of these.
+    pub(super) fn last_name(&self, count: usize) -> String {
+        match count {
+            1 => "last.vtp".to_owned(),
+            _ => format!("last-{}.vtp", self.name),
+        }
+    }
+
+    /// Writes the surfaces with these fields and the columns of their mesh file that belong to their material, and for a
+    /// population with the numbers of its surfaces, from 1 on, as the column `cell`.
+    fn write(
+        &self,
+        path: &Path,
+        positions: &[[f64; 3]],
+        mark: Mark,
+        fields: &dyn Fn(&Body) -> Fields,
+    ) -> Result<(), RunError> {
+        let mut points = Fields::new();
+        let mut cells = Fields::new();
+        let mut triangles = Vec::new();
+        let [first, last] = [0, self.bodies.len() - 1].map(|number| &self.bodies[number]);
+        let vertices = first.vertices().start..last.vertices().end;
+        for (number, body) in (1..).zip(self.bodies) {
+            let mut own = fields(body);
+            let is_free = |name: &str| own.iter().all(|(known, _)| known != name);
+            let mut material = columns(body, ColumnPlace::Vertices);
+            material.retain(|(name, _)| is_free(name));
+            own.extend(material);
+            if self.is_population {
+                let cell = vec![f64::from(number); body.vertices().len()];
+                own.push(("cell".to_owned(), Values::Scalars(cell)));
+                let begin = (body.vertices().start - vertices.start) as u32;
+                let own = body.mesh().triangles().iter();
+                triangles.extend(own.map(|corners| corners.map(|corner| corner + begin)));
+            }
+            join(&mut points, own);
+            join(&mut cells, columns(body, ColumnPlace::Triangles));
+        }
+        let joined;
+        let mesh = if self.is_population {
+            joined = TriangleMesh::new(vertices.len(), triangles)
+                .map_err(|error| RunError::Output(Box::new(error)))?;
+            &joined
+        } else {
+            first.mesh()
+        };
+        let [points, cells] =
+            [&points, &cells].map(|fields| Vec::from_iter(fields.iter().map(point_field)));
+        write_vtp_with_cells(
+            path,
+            mesh,
+            &positions[vertices],
+            Some(mark.time),
+            &points,
+            &cells,
+        )
+        .map_err(|error: VtkError| RunError::Output(Box::new(error)))
+    }
+}
+
+fn point_field((name, values): &(String, Values)) -> PointField<'_> {
+    PointField {
+        name,
+        values: match values {
+            Values::Scalars(values) => PointValues::Scalars(values),
+            Values::Vectors(values) => PointValues::Vectors(values),
+        },
+    }
+}
+
+/// Appends the fields of a surface to those of others, which have the same ones.
+fn join(all: &mut Fields, own: Fields) {
+    if all.is_empty() {
+        *all = own;
+        return;
+    }
+    for ((_, all), (_, own)) in all.iter_mut().zip(own) {
+        match (all, own) {
+            (Values::Scalars(all), Values::Scalars(own)) => all.extend(own),
+            (Values::Vectors(all), Values::Vectors(own)) => all.extend(own),
+            _ => {}
+        }
+    }
+}
+
 /// The columns of the mesh file of a surface that belong to its material, at its vertices or triangles.
-fn columns(body: &Body, place: ColumnPlace) -> Vec<PointField<'_>> {
+fn columns(body: &Body, place: ColumnPlace) -> Fields {
     let columns = body.columns().iter();
     let columns = columns.filter(|column| column.place == place);
-    let fields = columns.map(|column| PointField {
-        name: &column.name,
-        values: PointValues::Scalars(&column.values),
-    });
+    let fields =
+        columns.map(|column| (column.name.clone(), Values::Scalars(column.values.clone())));
     fields.collect()
 }
 
@@ -117,30 +229,12 @@ impl Run<'_> {
     pub(super) fn write_surfaces(&mut self, mark: Mark, acting: &[Acting]) -> Result<(), RunError> {
         let folder = self.folder.join("surfaces");
         let positions = self.drive.positions();
-        for (part, body) in self.simulation.bodies().iter().enumerate() {
-            let fields = measure::fields(body, positions, acting);
-            let mut fields = Vec::from_iter(fields.iter().map(|(name, values)| PointField {
-                name,
-                values: match values {
-                    measure::Values::Scalars(values) => PointValues::Scalars(values),
-                    measure::Values::Vectors(values) => PointValues::Vectors(values),
-                },
-            }));
-            let is_free = |name: &str| fields.iter().all(|field| field.name != name);
-            let mut own = columns(body, ColumnPlace::Vertices);
-            own.retain(|column| is_free(column.name));
-            fields.extend(own);
-            let name = format!("surfaces/{}-{:08}.vtp", body.name(), mark.number);
+        let shown = Shown::all(self.scene, &self.simulation);
+        for (part, shown) in shown.into_iter().enumerate() {
+            let fields = |body: &Body| measure::fields(body, positions, acting);
+            let name = format!("surfaces/{}-{:08}.vtp", shown.name, mark.number);
             into_folder(&folder, || {
-                write_vtp_with_cells(
-                    &self.folder.join(&name),
-                    body.mesh(),
-                    &positions[body.vertices()],
-                    Some(mark.time),
-                    &fields,
-                    &columns(body, ColumnPlace::Triangles),
-                )
-                .map_err(|error: VtkError| RunError::Output(Box::new(error)))
+                shown.write(&self.folder.join(&name), positions, mark, &fields)
             })?;
             self.outputs.files.entries.push(CollectionEntry {
                 time: mark.time,
@@ -152,19 +246,15 @@ impl Run<'_> {
     }
 
     /// The surfaces at the end of the run, from which another run can start: `last.vtp`, or
-    /// `last-NAME.vtp` for each of several. They have the columns on which the scene depends.
+    /// `last-NAME.vtp` for each of several, or for a population. They have the columns on which the scene depends.
     pub(super) fn write_last(&self) -> Result<(), RunError> {
-        let Mark { time, .. } = self.drive.mark();
+        let mark = self.drive.mark();
         let positions = self.drive.positions();
-        let bodies = self.simulation.bodies();
-        for body in bodies {
-            let name = last_name(body, bodies.len());
-            let own = &positions[body.vertices()];
-            let path = self.folder.join(name);
-            let [points, cells] =
-                [ColumnPlace::Vertices, ColumnPlace::Triangles].map(|place| columns(body, place));
-            write_vtp_with_cells(&path, body.mesh(), own, Some(time), &points, &cells)
-                .map_err(|error: VtkError| RunError::Output(Box::new(error)))?;
+        let shown = Shown::all(self.scene, &self.simulation);
+        let count = shown.len();
+        for shown in shown {
+            let path = self.folder.join(shown.last_name(count));
+            shown.write(&path, positions, mark, &|_| Vec::new())?;
         }
         Ok(())
     }

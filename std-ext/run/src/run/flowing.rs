@@ -477,7 +477,7 @@ fn suspension(
         available_threads(),
     );
     let obstacles = simulation.obstacles().iter();
-    let obstacles = obstacles.map(|solid| (&solid.mesh, &solid.positions[..]));
+    let obstacles = obstacles.map(|solid| (&*solid.mesh, &solid.positions[..]));
     suspension.set_obstacles(&meshes, &Vec::from_iter(obstacles));
     suspension.set_course(scene.course.clone());
     suspension.set_cluster_tolerance(driver.cluster_tolerance_at(positions.len()));

@@ -1,5 +1,6 @@
 //! Files that are in a folder before a run begins or continues there.
 
+use super::files::Shown;
 use super::identity::input_files;
 use super::modes::MODES;
 use super::{CHECKPOINT, RunError, SERIES, SUMMARY};
@@ -7,7 +8,7 @@ use crate::io::{is_same_file, remove_unfinished};
 use crate::lock::{LOCK, Lock};
 use crate::scene::{Pictures, Scene};
 use crate::series::SeriesTable;
-use crate::simulation::{Body, Simulation};
+use crate::simulation::Simulation;
 use std::fs;
 use std::path::Path;
 
@@ -39,7 +40,9 @@ pub(super) fn refuse_foreign(
     let folders = FOLDERS.iter().zip(used).filter(|&(_, used)| used);
     let folders = folders.map(|(name, _)| folder.join(name));
     let filled = folders.filter(|path| fs::read_dir(path).is_ok_and(|mut it| it.next().is_some()));
-    let names = files(simulation).into_iter().map(|name| folder.join(name));
+    let names = files(scene, simulation)
+        .into_iter()
+        .map(|name| folder.join(name));
     match names.filter(|path| is_there(path)).chain(filled).next() {
         Some(path) => Err(RunError::Foreign { path }),
         None => Ok(()),
@@ -53,7 +56,7 @@ pub(super) fn refuse_inputs(
     folder: &Path,
 ) -> Result<(), RunError> {
     let inputs = input_files(scene);
-    let names = files(simulation).into_iter();
+    let names = files(scene, simulation).into_iter();
     for path in names
         .chain([SERIES, CHECKPOINT].map(str::to_owned))
         .map(|name| folder.join(name))
@@ -67,19 +70,11 @@ pub(super) fn refuse_inputs(
 }
 
 /// The names of the files that a run replaces, other than its series and its checkpoint.
-fn files(simulation: &Simulation) -> Vec<String> {
+fn files(scene: &Scene, simulation: &Simulation) -> Vec<String> {
     let fixed = [SUMMARY, MODES, "surfaces.pvd", "slices.pvd", "volumes.pvd"];
-    let bodies = simulation.bodies();
-    let last = bodies.iter().map(|body| last_name(body, bodies.len()));
+    let shown = Shown::all(scene, simulation);
+    let last = shown.iter().map(|one| one.last_name(shown.len()));
     fixed.map(str::to_owned).into_iter().chain(last).collect()
-}
-
-/// The name of the file with the last state of one of `count` surfaces.
-pub(super) fn last_name(body: &Body, count: usize) -> String {
-    match count {
-        1 => "last.vtp".to_owned(),
-        _ => format!("last-{}.vtp", body.name()),
-    }
 }
 
 /// Whether there is a file, or a link to one that need not exist.

@@ -122,9 +122,24 @@ impl Builder<'_> {
                     .to_owned(),
             );
         }
-        let readers = scene.tables("surface");
+        let mut readers = scene.tables("surface");
+        let alone = readers.len();
+        let crowds = scene.tables("population");
+        if !scene.has("surface") && !scene.has("population") {
+            self.contradiction(
+                scene.origin(),
+                "the scene has no surface: add a [[surface]], or a [[population]]".to_owned(),
+            );
+        }
         let surfaces = readers.iter().enumerate();
-        let surfaces = Vec::from_iter(surfaces.map(|(index, reader)| self.surface(index, *reader)));
+        let mut surfaces =
+            Vec::from_iter(surfaces.map(|(index, reader)| self.surface(index, *reader)));
+        // Of each population one surface, until they have places.
+        surfaces.extend(crowds.iter().map(|reader| {
+            let name = reader.text("name").unwrap_or_default().to_owned();
+            self.of_a_kind(name, *reader)
+        }));
+        readers.extend(&crowds);
         let names = surfaces.iter().map(|surface| surface.name.as_str());
         self.different("surface", &Vec::from_iter(names), &readers);
         let interactions = scene.tables("interaction");
@@ -136,8 +151,22 @@ impl Builder<'_> {
         let mut driver = table.and_then(|table| self.driver(table, &surfaces, &readers));
         let course = self.course(table);
         let images = driver.as_ref().map(Driver::images);
+        let output = self.output(scene.table("output"), driver.as_ref());
         let solids = scene.tables("obstacle");
         let obstacles = self.obstacles(&solids);
+        if let Some(table) = table {
+            self.fit_step(table, driver.as_mut(), &output);
+        }
+        for (surface, reader) in surfaces.iter().zip(&readers) {
+            self.effects(surface, *reader, driver.as_ref());
+        }
+        let populations = self.populations(
+            &crowds,
+            (table, driver.as_ref()),
+            &mut surfaces,
+            alone,
+            &obstacles,
+        );
         for (obstacle, solid) in obstacles.iter().zip(&solids) {
             if surfaces.iter().any(|surface| surface.name == obstacle.name) {
                 let name = &obstacle.name;
@@ -170,18 +199,12 @@ impl Builder<'_> {
             .into_iter()
             .map(|reader| self.interaction(reader, &bodies, images.as_ref()))
             .collect();
-        let output = self.output(scene.table("output"), driver.as_ref());
-        if let Some(table) = table {
-            self.fit_step(table, driver.as_mut(), &output);
-        }
-        for (surface, reader) in surfaces.iter().zip(&readers) {
-            self.effects(surface, *reader, driver.as_ref());
-        }
         let scene = Scene {
             title: scene.text("title").unwrap_or_default().to_owned(),
             units,
             temperature: None,
             surfaces,
+            populations,
             interactions,
             obstacles,
             driver: driver.unwrap_or(driver::PLACEHOLDER),

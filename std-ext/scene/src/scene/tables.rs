@@ -9,7 +9,7 @@ use super::keys::{
 };
 use super::units::Dimension;
 use output::OUTPUT;
-use surface::{OBSTACLE, SURFACE};
+use surface::{OBSTACLE, POPULATION, SURFACE};
 
 pub(super) static SCENE: Keys = plain(&[
     optional("title", Form::Text, "Description of the scene in one line."),
@@ -24,10 +24,16 @@ pub(super) static SCENE: Keys = plain(&[
         NUMBER,
         "Temperature in kelvin, for numbers with the unit kT; by default 298.15.",
     ),
-    required(
+    optional(
         "surface",
         Form::Tables(&SURFACE),
         "A surface and the effects that act on it; absent effects are off.",
+    ),
+    optional(
+        "population",
+        Form::Tables(&POPULATION),
+        "Equal surfaces at random places in the box of the driver \"lattice-boltzmann\", and the effects that act on \
+         each; together at least one surface is needed.",
     ),
     optional(
         "interaction",

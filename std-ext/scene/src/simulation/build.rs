@@ -36,20 +36,24 @@ pub fn build(file: &SceneFile) -> Result<(Simulation, Vec<[f64; 3]>), BuildError
     let mut files = file.meshes.clone();
     let mut bodies: Vec<Body> = Vec::with_capacity(scene.surfaces.len());
     let mut positions = Vec::new();
+    let mut previous = None::<Placed>;
     let mut groups = Vec::new();
     let mut group_count = 0;
     let mut held = Vec::new();
     let mut warnings = file.warnings.clone();
     for (index, surface) in scene.surfaces.iter().enumerate() {
-        let start = Placed::new(
-            &surface.name,
-            &surface.source,
-            surface.scale,
-            surface.orientation,
-            surface.position,
-            &mut files,
-            surface.averages_noise(),
-        )?;
+        let start = match previous.take().filter(|_| scene.is_copy(index)) {
+            Some(same) => same.moved(surface.orientation, surface.position),
+            None => Placed::new(
+                &surface.name,
+                &surface.source,
+                surface.scale,
+                surface.orientation,
+                surface.position,
+                &mut files,
+                surface.averages_noise(),
+            )?,
+        };
         if let Some(quieted) = &start.quieted {
             warnings.push(file.noise_warning(index, quieted));
         }
@@ -64,8 +68,9 @@ pub fn build(file: &SceneFile) -> Result<(Simulation, Vec<[f64; 3]>), BuildError
         let (components, count) = body.mesh.components();
         groups.extend(components.into_iter().map(|group| group + group_count));
         group_count += count as u32;
-        positions.extend(start.positions);
+        positions.extend_from_slice(&start.positions);
         bodies.push(body);
+        previous = Some(start);
     }
     let bounded = bodies.iter().enumerate();
     let bounded = bounded.filter_map(|(index, body)| {
@@ -212,7 +217,7 @@ impl Placed {
             scene,
             driver: &file.scene.driver,
             effects: &scene.effects,
-            mesh: &Arc::new(self.mesh.clone()),
+            mesh: &self.mesh,
             positions: &self.positions,
             targets: Vec::new(),
             ratios: Vec::new(),
@@ -232,9 +237,9 @@ impl Placed {
         reference: &Reference,
     ) -> Result<Vec<[f64; 3]>, BuildError> {
         match &reference.source {
-            ReferenceSource::Initial => Ok(self.unplaced.clone()),
+            ReferenceSource::Initial => Ok(self.unplaced.to_vec()),
             ReferenceSource::Shape(shape) => {
-                let preimages = self.preimages.iter().flatten();
+                let preimages = self.preimages.iter().flat_map(|all| all.iter());
                 let mut positions = Vec::from_iter(preimages.map(|&at| shape.position(at)));
                 let source = &file.scene.surfaces[index].source;
                 if matches!(

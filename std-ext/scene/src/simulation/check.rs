@@ -101,8 +101,8 @@ impl SceneFile {
         }
         let errors = found.into_iter().map(|(key, message)| {
             let path = match key.as_str() {
-                "" => format!("surface.{surface}"),
-                key => format!("surface.{surface}.{key}"),
+                "" => self.scene.path_of(surface),
+                key => format!("{}.{key}", self.scene.path_of(surface)),
             };
             self.contradiction(&path, message)
         });
@@ -188,16 +188,19 @@ impl SceneFile {
         if let Some(scene) = self.scene.surfaces.get(surface)
             && let Some(message) = off_its_shape(&scene.name, &scene.source, scene.scale, mesh)
         {
-            warn(&format!("surface.{surface}.vertices"), message);
+            warn(
+                &format!("{}.vertices", self.scene.path_of(surface)),
+                message,
+            );
         }
         let driver = &self.scene.driver;
         if let Some(scene) = self.scene.surfaces.get(surface) {
             for (key, message) in of_effects(scene, mesh, driver).doubts {
-                warn(&format!("surface.{surface}.{key}"), message);
+                warn(&format!("{}.{key}", self.scene.path_of(surface)), message);
             }
             let flow = driver.flow();
             if let Some(message) = flow.and_then(|_| uneven_drop(scene, mesh)) {
-                warn(&format!("surface.{surface}"), message);
+                warn(&self.scene.path_of(surface), message);
             }
             if let Some(message) = flow.and_then(|flow| beyond_the_tube(scene, mesh, flow)) {
                 warn("driver.flow.radius", message);
@@ -232,7 +235,10 @@ impl SceneFile {
             smoothing.neighbours,
             Six(rounded(scene.scale.abs() * quieted.moved)),
         );
-        self.doubt(&format!("surface.{surface}.bending.method"), message)
+        self.doubt(
+            &format!("{}.bending.method", self.scene.path_of(surface)),
+            message,
+        )
     }
 
     /// A warning about the mesh of an obstacle.
@@ -273,7 +279,7 @@ impl SceneFile {
         } else {
             return Ok(());
         };
-        let path = format!("surface.{surface}.{effect}.reference");
+        let path = format!("{}.{effect}.reference", self.scene.path_of(surface));
         Err(self.contradiction(&path, message).into())
     }
 }

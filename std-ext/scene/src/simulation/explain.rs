@@ -50,8 +50,10 @@ pub struct Explanation {
 /// The effects on a surface.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SurfaceExplanation {
-    /// Its name.
+    /// Its name, or that of a population.
     pub name: String,
+    /// The number of surfaces: 1, unless it is a population.
+    pub count: usize,
     /// The source of its mesh.
     pub mesh: String,
     /// Number of vertices.
@@ -164,8 +166,19 @@ impl Scene {
             temperature: self
                 .temperature
                 .map(|kelvin| [kelvin, thermal_energy(kelvin)]),
-            surfaces: surfaces
-                .map(|(surface, mesh)| explain_surface(surface, mesh, self))
+            surfaces: (surfaces.enumerate())
+                .filter(|(index, _)| !self.is_copy(*index))
+                .map(|(index, (surface, mesh))| {
+                    let explained = explain_surface(surface, mesh, self);
+                    match self.population_of(index) {
+                        None => explained,
+                        Some((_, population)) => SurfaceExplanation {
+                            name: population.name.clone(),
+                            count: population.count(),
+                            ..explained
+                        },
+                    }
+                })
                 .collect(),
             interactions: self.interactions.iter().map(interaction).collect(),
             driver: driver::explain(&self.driver, meshes, &number),
@@ -240,6 +253,7 @@ fn explain_surface(surface: &SurfaceScene, mesh: &MeshInfo, scene: &Scene) -> Su
     let off = Effects::NAMES.iter().copied().filter(is_off).collect();
     SurfaceExplanation {
         name: surface.name.clone(),
+        count: 1,
         mesh: source,
         vertices: mesh.vertices,
         measures,

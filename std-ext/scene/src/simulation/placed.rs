@@ -21,13 +21,13 @@ pub(super) fn scale_to_volume(mesh: &TriangleMesh, positions: &mut [[f64; 3]], v
 }
 
 /// A surface or an obstacle at its position in the scene.
-pub(super) struct Placed {
-    pub(super) mesh: TriangleMesh,
+pub(crate) struct Placed {
+    pub(super) mesh: Arc<TriangleMesh>,
     /// Positions of the mesh, scaled but not moved.
-    pub(super) unplaced: Vec<[f64; 3]>,
-    pub(super) positions: Vec<[f64; 3]>,
+    pub(super) unplaced: Arc<Vec<[f64; 3]>>,
+    pub(crate) positions: Vec<[f64; 3]>,
     /// The points of the shape for the vertices of a generated mesh.
-    pub(super) preimages: Option<Vec<[f64; 3]>>,
+    pub(super) preimages: Option<Arc<Vec<[f64; 3]>>>,
     /// The noise that was removed from the mesh file, in the file's unit.
     pub(super) quieted: Option<Arc<Quieted>>,
 }
@@ -35,7 +35,7 @@ pub(super) struct Placed {
 impl Placed {
     /// `without_noise` says that vertices of a mesh file are moved onto a smooth surface if they have
     /// noise.
-    pub(super) fn new(
+    pub(crate) fn new(
         name: &str,
         source: &MeshSource,
         scale: f64,
@@ -66,7 +66,7 @@ impl Placed {
                 if *match_volume {
                     scale_to_volume(&mesh, &mut positions, shape.volume());
                 }
-                (mesh, positions, Some(preimages))
+                (Arc::new(mesh), positions, Some(Arc::new(preimages)))
             }
             MeshSource::File(file) => {
                 if without_noise {
@@ -76,25 +76,45 @@ impl Placed {
                 let positions = quieted
                     .as_ref()
                     .map_or(&file.positions, |quieted| &quieted.positions);
-                (file.mesh.clone(), positions.clone(), None)
+                (Arc::new(file.mesh.clone()), positions.clone(), None)
             }
         };
         for vertex in &mut unplaced {
             *vertex = vertex.map(|x| scale * x);
         }
-        let place = |vertex: &[f64; 3]| {
-            let turned = turn(orientation, *vertex);
-            core::array::from_fn(|axis| position[axis] + turned[axis])
-        };
-        let positions = unplaced.iter().map(place).collect();
         Ok(Self {
+            positions: at(&unplaced, orientation, position),
             mesh,
-            unplaced,
-            positions,
+            unplaced: Arc::new(unplaced),
             preimages,
             quieted,
         })
     }
+
+    /// The same mesh at another place.
+    pub(super) fn moved(&self, orientation: Option<Orientation>, position: [f64; 3]) -> Self {
+        Self {
+            mesh: Arc::clone(&self.mesh),
+            unplaced: Arc::clone(&self.unplaced),
+            positions: at(&self.unplaced, orientation, position),
+            preimages: self.preimages.clone(),
+            quieted: self.quieted.clone(),
+        }
+    }
+
+    /// Its mesh.
+    pub(crate) fn mesh(&self) -> &TriangleMesh {
+        &self.mesh
+    }
+}
+
+/// Points turned and moved.
+fn at(points: &[[f64; 3]], orientation: Option<Orientation>, position: [f64; 3]) -> Vec<[f64; 3]> {
+    let place = |point: &[f64; 3]| {
+        let turned = turn(orientation, *point);
+        core::array::from_fn(|axis| position[axis] + turned[axis])
+    };
+    points.iter().map(place).collect()
 }
 
 /// Rodrigues' rotation about an axis.

@@ -9,6 +9,7 @@ mod interruption;
 mod parting;
 mod pictures;
 mod plots;
+mod population;
 mod remeshing;
 mod series;
 mod vtk;

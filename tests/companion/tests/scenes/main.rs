@@ -12,6 +12,7 @@ mod noise;
 mod obstacles;
 mod order;
 mod overrides;
+mod populations;
 mod private;
 mod reading;
 mod schema;

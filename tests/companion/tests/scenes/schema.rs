@@ -32,9 +32,9 @@ fn the_guide_has_every_key() {
     let mut keys = Vec::new();
     add_keys("", &json_schema(), &mut keys);
     let mut list = "\nGenerated from the schema. A number may also be a text with a unit, where the key has one. Keys \
-                     in bold are required.\n\n"
+                     in bold are required. Keys of `population` that mean the same as those of `surface` are left out.\n\n"
         .to_owned();
-    for key in &keys {
+    for key in keys.iter().filter(|key| !key.is_of_surfaces(&keys)) {
         list += &key.line(&keys);
     }
     let current = format!("{before}{HEAD}{list}{after}");
@@ -58,6 +58,19 @@ struct Key {
 }
 
 impl Key {
+    /// Whether it is a key of populations that surfaces have with the same meaning.
+    fn is_of_surfaces(&self, keys: &[Self]) -> bool {
+        let of_surfaces = self
+            .path
+            .strip_prefix("population.")
+            .map(|key| format!("surface.{key}"));
+        let is_same = |other: &Self| {
+            Some(&other.path) == of_surfaces.as_ref()
+                && (&other.form, &other.meaning) == (&self.form, &self.meaning)
+        };
+        keys.iter().any(is_same)
+    }
+
     /// Its line. What is said of a key of the same name elsewhere, of surfaces if possible, is not repeated.
     fn line(&self, keys: &[Self]) -> String {
         let name = |key: &Self| key.path.rsplit('.').next().unwrap().to_owned();

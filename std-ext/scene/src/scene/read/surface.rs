@@ -17,10 +17,7 @@ impl Builder<'_> {
             Some(name) => name.to_owned(),
             None => default_name("surface", index),
         };
-        let source = self.source(surface);
         SurfaceScene {
-            name,
-            scale: surface.number("scale").unwrap_or(1.0),
             position: surface.vector("position").unwrap_or_default(),
             orientation: orientation(surface),
             boundary: surface
@@ -29,6 +26,21 @@ impl Builder<'_> {
                 .unwrap_or_default(),
             remesh: Remesh::read(surface),
             topology: Topology::read(surface),
+            ..self.of_a_kind(name, surface)
+        }
+    }
+
+    /// A surface with the keys that it may share with others, at the origin.
+    pub(super) fn of_a_kind(&mut self, name: String, surface: Reader<'_>) -> SurfaceScene {
+        let source = self.source(surface);
+        SurfaceScene {
+            name,
+            scale: surface.number("scale").unwrap_or(1.0),
+            position: [0.0; 3],
+            orientation: None,
+            boundary: Boundary::default(),
+            remesh: None,
+            topology: None,
             viscosity_ratio: surface.number("viscosity_ratio"),
             effects: Effects::read(surface, &source, self),
             source,

@@ -2,7 +2,9 @@
 
 use super::super::boundary::BOUNDARY;
 use super::super::effects;
-use super::super::keys::{Form, Key, Keys, NUMBER, any, joined, optional, plain, required};
+use super::super::keys::{
+    Form, Key, Keys, NUMBER, Range, any, joined, optional, plain, positive, required,
+};
 use super::super::mesh_source::WELD;
 use super::super::remesh::{REMESH, TOPOLOGY};
 use super::super::units::Dimension;
@@ -32,13 +34,15 @@ const OWN: &[Key] = &[
     BOUNDARY,
     REMESH,
     TOPOLOGY,
-    optional(
-        "viscosity_ratio",
-        NUMBER,
-        "Ratio λ of the viscosity inside to that of the driver's fluid, which is outside of all \
-         surfaces; for drivers with a fluid; by default 1.",
-    ),
+    VISCOSITY_RATIO,
 ];
+
+const VISCOSITY_RATIO: Key = optional(
+    "viscosity_ratio",
+    NUMBER,
+    "Ratio λ of the viscosity inside to that of the driver's fluid, which is outside of all \
+     surfaces; for drivers with a fluid; by default 1.",
+);
 
 /// Rules for the keys of a mesh.
 const PLACED: Keys = Keys {
@@ -56,6 +60,61 @@ const PLACED: Keys = Keys {
     ],
     kinds: &[],
 };
+
+/// Equal surfaces at random places, with the keys of surfaces but those of a single place.
+pub(super) static POPULATION: Keys = Keys {
+    keys: &joined::<{ CROWD.len() + effects::KEYS.len() }>(CROWD, effects::KEYS),
+    exactly_one: &[&["shape", "mesh"], &["count", "haematocrit"]],
+    at_most_one: &[],
+    needs: &[
+        ["shape", "vertices"],
+        ["vertices", "shape"],
+        ["family", "shape"],
+        ["match_volume", "shape"],
+        ["weld", "mesh"],
+    ],
+    kinds: &[],
+};
+
+/// The keys of a population, without those of its effects.
+const CROWD: &[Key] = &[
+    required(
+        "name",
+        Form::Name,
+        "The population's name. Its surfaces are NAME-1, NAME-2 and so on; the series has their means and standard \
+         deviations as NAME_mean_COLUMN and NAME_sd_COLUMN, and surfaces/NAME-*.vtp all of them with the column `cell`.",
+    ),
+    optional("count", Form::Count(1), "Number of surfaces."),
+    optional(
+        "haematocrit",
+        Form::Number(Dimension::NONE, Range::Positive),
+        "Part of the box between its walls, without obstacles, that the surfaces enclose; instead of `count`.",
+    ),
+    optional(
+        "seed",
+        Form::Count(0),
+        "Seed of the places, and of the families irregular and hard; by default 1.",
+    ),
+    optional(
+        "gap",
+        positive(Dimension::LENGTH),
+        "Least distance of two surfaces, and of a surface and a wall or obstacle, at the start; by default the spacing of the \
+         lattice, or half of the longest cutoff of an interaction if that is more.",
+    ),
+    optional(
+        "orientation",
+        Form::Choice(|| vec!["random", "fixed"]),
+        "\"random\", any orientation; \"fixed\", that of the mesh. By default random.",
+    ),
+    SHAPE,
+    FAMILY,
+    VERTICES,
+    MATCH_VOLUME,
+    MESH,
+    WELD,
+    SCALE,
+    VISCOSITY_RATIO,
+];
 
 /// A body at rest: its mesh and position, with the same keys as surfaces.
 pub(super) static OBSTACLE: Keys = Keys {

@@ -220,9 +220,10 @@ impl Doubts<'_> {
         } = *self;
         let edge = membrane.edge / lattice.spacing;
         let [shortest, longest] = EDGES;
-        let vertices = match self.file.has(&format!("surface.{index}.vertices")) {
-            true => format!("surface.{index}.vertices"),
-            false => format!("surface.{index}.mesh"),
+        let at = self.file.scene.path_of(index);
+        let vertices = match self.file.has(&format!("{at}.vertices")) {
+            true => format!("{at}.vertices"),
+            false => format!("{at}.mesh"),
         };
         if edge > longest {
             self.found.push((

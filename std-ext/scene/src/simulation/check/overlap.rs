@@ -40,7 +40,7 @@ impl SceneFile {
         } else {
             return Ok(());
         };
-        let path = format!("surface.{surface}.position");
+        let path = format!("{}.position", self.scene.path_of(surface));
         Err(self.contradiction(&path, message).into())
     }
 
@@ -64,7 +64,7 @@ impl SceneFile {
             inside.first,
             through(inside)
         );
-        Some(self.doubt(&format!("surface.{index}.position"), message))
+        Some(self.doubt(&format!("{}.position", self.scene.path_of(index)), message))
     }
 }
 

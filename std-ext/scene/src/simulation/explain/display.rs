@@ -81,11 +81,20 @@ impl fmt::Display for Group {
 
 impl fmt::Display for SurfaceExplanation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(
-            f,
-            "\nsurface {}: {}, {} vertices",
-            self.name, self.mesh, self.vertices
-        )?;
+        let Self {
+            name,
+            count,
+            mesh,
+            vertices,
+            ..
+        } = self;
+        match count {
+            1 => writeln!(f, "\nsurface {name}: {mesh}, {vertices} vertices")?,
+            _ => writeln!(
+                f,
+                "\npopulation {name}: {count} surfaces, each {mesh}, {vertices} vertices"
+            )?,
+        }
         let measures = Vec::from_iter(self.measures.iter().map(Parameter::to_string));
         writeln!(f, "  {}", measures.join(", "))?;
         for effect in &self.on {

@@ -1,0 +1,291 @@
+//! Populations: equal surfaces at random places.
+
+use super::builder::Builder;
+use super::reader::Reader;
+use super::{Driver, LatticeBoltzmann, MeshSource, ObstacleScene, Orientation, SurfaceScene};
+use crate::info::MeshInfo;
+use crate::simulation::Placed;
+use helfrich::Surface;
+use helfrich_mesh::packing::{Ball, Kind, Place, Room, inscribed_balls, pack};
+use serde::Serialize;
+use std::ops::Range;
+
+/// Equal surfaces of a scene.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct PopulationScene {
+    /// The population's name.
+    pub name: String,
+    /// Which of the scene's surfaces they are.
+    pub surfaces: Range<usize>,
+}
+
+impl PopulationScene {
+    /// The number of surfaces.
+    pub fn count(&self) -> usize {
+        self.surfaces.len()
+    }
+}
+
+/// The largest number of surfaces in populations: their names and numbers are kept one by one.
+const MOST: f64 = 1e6;
+
+/// A population as it is read: its surfaces before they have places.
+struct Crowd<'a> {
+    reader: Reader<'a>,
+    surface: SurfaceScene,
+    placed: Placed,
+    info: MeshInfo,
+    gap: f64,
+}
+
+impl Crowd<'_> {
+    fn surface(&self) -> Option<Surface<'_, f64>> {
+        Surface::new(self.placed.mesh(), &self.placed.positions).ok()
+    }
+}
+
+impl Builder<'_> {
+    /// Takes the surfaces from `first` on, one for each of these populations, out of `surfaces`, and adds all surfaces of the
+    /// populations instead.
+    pub(super) fn populations(
+        &mut self,
+        readers: &[Reader<'_>],
+        driver: (Option<Reader<'_>>, Option<&Driver>),
+        surfaces: &mut Vec<SurfaceScene>,
+        first: usize,
+        obstacles: &[ObstacleScene],
+    ) -> Vec<PopulationScene> {
+        let Some(&one) = readers.first() else {
+            return Vec::new();
+        };
+        let alone = surfaces.split_off(first);
+        let (Some(table), Some(driver)) = driver else {
+            surfaces.extend(alone);
+            return Vec::new();
+        };
+        let Driver::LatticeBoltzmann(lattice) = driver else {
+            self.contradiction(
+                one.origin(),
+                "a population fills the box of the driver \"lattice-boltzmann\": choose this driver, or write every \
+                 surface as a [[surface]]"
+                    .to_owned(),
+            );
+            return Vec::new();
+        };
+        if !table.has("box") {
+            self.contradiction(
+                table.origin(),
+                "a population fills the box of the driver, which has to be given by `box`"
+                    .to_owned(),
+            );
+            return Vec::new();
+        }
+        let crowds = alone.into_iter().zip(readers);
+        let crowds = crowds.map(|(surface, reader)| self.crowd(surface, *reader, lattice.spacing));
+        let Some(crowds) = crowds.collect::<Option<Vec<_>>>() else {
+            return Vec::new();
+        };
+        let gap = crowds.iter().map(|crowd| crowd.gap).fold(0.0, f64::max);
+        let solids = self.solids(surfaces, obstacles, gap);
+        let free = volume(lattice) - solids.iter().map(|solid| solid.volume).sum::<f64>();
+        let counts = crowds.iter().map(|crowd| self.count(crowd, free));
+        let Some(counts) = counts.collect::<Option<Vec<usize>>>() else {
+            return Vec::new();
+        };
+        let [corner, _] = lattice.corners();
+        let room = Room {
+            corner,
+            size: lattice.size(),
+            walls: lattice.walls(),
+        };
+        let kinds = crowds.iter().zip(&counts).filter_map(|(crowd, &count)| {
+            let turns = crowd.reader.text("orientation") != Some("fixed");
+            Some(Kind::new(crowd.surface()?, count, crowd.gap, turns))
+        });
+        let kinds = Vec::from_iter(kinds);
+        let solids = Vec::from_iter(solids.into_iter().flat_map(|solid| solid.balls));
+        let seeds = readers.iter().filter_map(|reader| reader.count("seed"));
+        let seed = seeds.fold(1, |all: u64, seed| all.wrapping_mul(31).wrapping_add(seed));
+        let places = match pack(&room, &kinds, &solids, seed) {
+            Ok(places) => places,
+            Err(error) => {
+                let number = counts.iter().sum::<usize>();
+                let message = format!(
+                    "{number} surfaces in the box: {error}: choose fewer, a smaller `gap`, or a larger `box`"
+                );
+                let key = if one.has("count") {
+                    "count"
+                } else {
+                    "haematocrit"
+                };
+                self.contradiction(&one.origin_of(key), message);
+                return Vec::new();
+            }
+        };
+        let mut places = places.into_iter();
+        let mut populations = Vec::new();
+        for (crowd, count) in crowds.into_iter().zip(counts) {
+            let begin = surfaces.len();
+            for (number, place) in (1..=count).zip(&mut places) {
+                surfaces.push(placed(&crowd.surface, number, place));
+            }
+            populations.push(PopulationScene {
+                name: crowd.surface.name,
+                surfaces: begin..surfaces.len(),
+            });
+        }
+        populations
+    }
+
+    /// The mesh of a population; `None` if it has none, which is reported here or when it is made.
+    fn crowd<'a>(
+        &mut self,
+        surface: SurfaceScene,
+        reader: Reader<'a>,
+        spacing: f64,
+    ) -> Option<Crowd<'a>> {
+        let placed = self.placed(
+            &surface.name,
+            &surface.source,
+            surface.scale,
+            None,
+            [0.0; 3],
+        );
+        let placed = match placed {
+            Ok(placed) => placed,
+            Err(message) => {
+                self.contradiction(reader.origin(), message);
+                return None;
+            }
+        };
+        let at = Surface::new(placed.mesh(), &placed.positions).ok()?;
+        let info = MeshInfo::new(at);
+        if !info.volume.is_some_and(|volume| volume > 0.0) {
+            self.contradiction(
+                reader.origin(),
+                format!(
+                    "the surfaces of \"{}\" enclose no volume, and a population needs closed ones, with their triangles \
+                     counter-clockwise from outside",
+                    surface.name
+                ),
+            );
+            return None;
+        }
+        let cutoffs = self.barriers.iter().map(|barrier| barrier.cutoff);
+        let cutoff = cutoffs.fold(0.0, f64::max);
+        let gap = reader.number("gap");
+        Some(Crowd {
+            gap: gap.unwrap_or(spacing.max(0.5 * cutoff)),
+            reader,
+            surface,
+            placed,
+            info,
+        })
+    }
+
+    fn placed(
+        &mut self,
+        name: &str,
+        source: &MeshSource,
+        scale: f64,
+        orientation: Option<Orientation>,
+        position: [f64; 3],
+    ) -> Result<Placed, String> {
+        let files = &mut self.meshes;
+        Placed::new(name, source, scale, orientation, position, files, false)
+            .map_err(|error| error.to_string())
+    }
+
+    /// The number of surfaces of a population in this volume.
+    fn count(&mut self, crowd: &Crowd<'_>, free: f64) -> Option<usize> {
+        let name = &crowd.surface.name;
+        let Some(part) = crowd.reader.number("haematocrit") else {
+            let count = crowd.reader.count("count")? as f64;
+            if count > MOST {
+                let message = format!("at most {MOST} surfaces fit into memory");
+                self.contradiction(&crowd.reader.origin_of("count"), message);
+                return None;
+            }
+            return Some(count as usize);
+        };
+        let count = (part * free / crowd.info.volume?).round();
+        if (1.0..=MOST).contains(&count) {
+            return Some(count as usize);
+        }
+        let message = format!(
+            "{part} of the box would be {count} surfaces of \"{name}\": choose a number for which there are 1 to {MOST}"
+        );
+        self.contradiction(&crowd.reader.origin_of("haematocrit"), message);
+        None
+    }
+
+    /// The surfaces and obstacles that have places already, widened by the gap, of which the fits of balls leave out a half.
+    fn solids(
+        &mut self,
+        surfaces: &[SurfaceScene],
+        obstacles: &[ObstacleScene],
+        gap: f64,
+    ) -> Vec<Solid> {
+        let surfaces = surfaces.iter().map(|body| {
+            (
+                &body.name,
+                &body.source,
+                body.scale,
+                body.orientation,
+                body.position,
+            )
+        });
+        let obstacles = obstacles.iter().map(|body| {
+            (
+                &body.name,
+                &body.source,
+                body.scale,
+                body.orientation,
+                body.position,
+            )
+        });
+        let moving = surfaces.len();
+        let bodies = surfaces.chain(obstacles).enumerate();
+        let solids = bodies.filter_map(|(index, (name, source, scale, orientation, position))| {
+            // What cannot be read is reported when it is made.
+            let placed = self
+                .placed(name, source, scale, orientation, position)
+                .ok()?;
+            let surface = Surface::new(placed.mesh(), &placed.positions).ok()?;
+            let mut balls = inscribed_balls(surface, 0.5 * gap);
+            for ball in &mut balls {
+                ball.radius += gap;
+            }
+            let volume = surface.volume().filter(|_| index >= moving);
+            Some(Solid {
+                balls,
+                volume: volume.unwrap_or(0.0),
+            })
+        });
+        solids.collect()
+    }
+}
+
+/// A body at rest while surfaces are placed.
+struct Solid {
+    balls: Vec<Ball>,
+    /// The part of the box without fluid.
+    volume: f64,
+}
+
+fn volume(lattice: &LatticeBoltzmann) -> f64 {
+    lattice.size().iter().product()
+}
+
+/// The surface of a population with this number.
+fn placed(kind: &SurfaceScene, number: usize, place: Place) -> SurfaceScene {
+    SurfaceScene {
+        name: format!("{}-{number}", kind.name),
+        position: place.position,
+        orientation: (place.angle != 0.0).then_some(Orientation {
+            axis: place.axis,
+            angle: place.angle,
+        }),
+        ..kind.clone()
+    }
+}

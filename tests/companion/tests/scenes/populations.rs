@@ -1,0 +1,203 @@
+//! Populations: equal surfaces at random places of a box.
+
+use super::{refused, the_error, valid};
+use helfrich::interaction::RepulsionMemory;
+use helfrich::{Images, Repulsion};
+use helfrich_std::contact::repel;
+use helfrich_std::execute::Parallel;
+use helfrich_std::scene::{Driver, Overrides, Scene, SceneFile};
+use helfrich_std::simulation::{Simulation, build};
+use std::path::Path;
+
+const GAP: f64 = 0.1;
+
+/// Populations in a box of this length with walls at the ends of y.
+fn scene(populations: &str, length: f64, more: &str) -> String {
+    format!(
+        r#"units = "none"
+{populations}
+elasticity = {{ law = "skalak", shear_modulus = 1, area_ratio = 10 }}
+[driver]
+kind = "lattice-boltzmann"
+viscosity = 1
+spacing = 0.2
+box = [{length}, {length}, {length}]
+flow = {{ kind = "shear", rate = 0.1 }}
+strain = 1
+{more}"#
+    )
+}
+
+fn cells(shape: &str, number: &str) -> String {
+    format!(
+        "[[population]]\nname = \"cells\"\n{number}\nshape = \"{shape}\"\nvertices = 362\ngap = {GAP}"
+    )
+}
+
+/// The scene and where its vertices are, surface by surface.
+fn places(text: &str) -> (Scene, Vec<Vec<[f64; 3]>>) {
+    let file = valid(text);
+    let (simulation, positions) = build(&file).unwrap_or_else(|error| panic!("{error}"));
+    let bodies = simulation.bodies().iter();
+    let places = bodies.map(|body| positions[body.vertices()].to_vec());
+    let places = places.collect();
+    (file.scene, places)
+}
+
+/// The energy of a repulsion of this range between all surfaces and obstacles of a scene, with images: 0 if no vertex is
+/// nearer to a triangle of another body.
+fn felt((simulation, positions): &(Simulation, Vec<[f64; 3]>), range: f64) -> f64 {
+    let bodies = simulation.bodies().iter();
+    let bodies = bodies.map(|body| body.surface(positions).expect("finite"));
+    let solids = simulation.obstacles().iter();
+    let solids = solids
+        .map(|solid| helfrich::Surface::new(&solid.mesh, &solid.positions[..]).expect("finite"));
+    let surfaces = Vec::from_iter(bodies.chain(solids));
+    let repulsion = Repulsion {
+        modulus: 1.0,
+        range,
+        attraction: 0.0,
+        parts: false,
+        images: Images {
+            own: true,
+            ..*simulation.images()
+        },
+    };
+    let mut forces = Vec::from_iter(
+        surfaces
+            .iter()
+            .map(|one| vec![[0.0; 3]; one.positions().len()]),
+    );
+    let mut forces = Vec::from_iter(forces.iter_mut().map(|force| &mut force[..]));
+    let mut memory = RepulsionMemory::default();
+    repel(
+        &Parallel::new(),
+        &repulsion,
+        &surfaces,
+        &mut memory,
+        &mut forces,
+    )
+}
+
+/// Spheres and red cells fill the demanded part of a box, away from each other, from images and from walls.
+#[test]
+fn surfaces_keep_their_gap() {
+    for (shape, part, length) in [("sphere:1", 0.45, 8.0), ("discocyte:1", 0.3, 5.0)] {
+        let text = scene(&cells(shape, &format!("haematocrit = {part}")), length, "");
+        let file = valid(&text);
+        let Driver::LatticeBoltzmann(lattice) = file.scene.driver else {
+            panic!("{:?}", file.scene.driver);
+        };
+        let built = build(&file).expect("a scene");
+        let (simulation, positions) = &built;
+        let volumes = simulation.bodies().iter();
+        let volumes = volumes.map(|body| body.surface(positions).and_then(|at| at.volume()));
+        let volumes = Vec::from_iter(volumes.map(|volume| volume.expect("closed")));
+        let filled = volumes.iter().sum::<f64>() / lattice.size().iter().product::<f64>();
+        // The number of surfaces is rounded.
+        let one = 0.5 * volumes[0] / lattice.size().iter().product::<f64>();
+        assert!((filled - part).abs() <= 1.001 * one, "{shape}: {filled}");
+        assert_eq!(felt(&built, GAP), 0.0, "{shape}");
+        let [low, high] = lattice.corners();
+        for place in positions {
+            assert!(
+                place[1] > low[1] + GAP && place[1] < high[1] - GAP,
+                "{shape}"
+            );
+        }
+        // They are near each other: the test sees vertices that are.
+        assert!(felt(&built, 5.0 * GAP) > 0.0, "{shape}");
+    }
+}
+
+/// The same seed gives the same places, another one others; orientations are random unless they are fixed.
+#[test]
+fn places_follow_from_the_seed() {
+    let text = |more: &str| {
+        scene(
+            &cells("ellipsoid:1,1,0.4", &format!("count = 6\n{more}")),
+            6.0,
+            "",
+        )
+    };
+    let [first, again, other, fixed] = [
+        "seed = 2",
+        "seed = 2",
+        "seed = 3",
+        "orientation = \"fixed\"",
+    ]
+    .map(|more| places(&text(more)).1);
+    assert_eq!(first, again);
+    assert_ne!(first, other);
+    let height = |place: &Vec<[f64; 3]>| {
+        let heights = place.iter().map(|x| x[2]);
+        heights.clone().fold(f64::MIN, f64::max) - heights.fold(f64::MAX, f64::min)
+    };
+    assert!(fixed.iter().all(|place| (height(place) - 0.8).abs() < 0.02));
+    assert!(first.iter().any(|place| height(place) > 1.0));
+}
+
+/// Populations of several kinds, surfaces and obstacles share a box; populations come last.
+#[test]
+fn all_bodies_keep_their_gap() {
+    let populations = format!(
+        "[[obstacle]]\nname = \"ball\"\nshape = \"sphere:1.5\"\nvertices = 362\n{}\n{}\n{}",
+        "[[surface]]\nname = \"alone\"\nshape = \"sphere:1\"\nvertices = 362\nposition = [2.9, 0, 2.9]\nelasticity = { law = \
+         \"skalak\", shear_modulus = 1, area_ratio = 10 }",
+        cells("discocyte:1", "count = 20"),
+        "elasticity = { law = \"skalak\", shear_modulus = 1, area_ratio = 10 }\n[[population]]\nname = \"drops\"\ncount = 12\nshape = \
+         \"sphere:0.5\"\nvertices = 162\ngap = 0.1",
+    );
+    let text = scene(&populations, 8.0, "");
+    let (scene, places) = places(&text);
+    let ranges = Vec::from_iter(scene.populations.iter().map(|one| one.surfaces.clone()));
+    assert_eq!(ranges, [1..21, 21..33]);
+    assert_eq!(places.len(), 33);
+    assert_eq!(scene.surfaces[20].name, "cells-20");
+    assert_eq!(scene.surfaces[32].name, "drops-12");
+    assert_eq!(felt(&build(&valid(&text)).expect("a scene"), GAP), 0.0);
+}
+
+#[test]
+fn populations_without_room_are_refused() {
+    refused(
+        &scene(&cells("sphere:1", "haematocrit = 0.7"), 8.0, ""),
+        [4, 15],
+        &["surfaces in the box", "% of their size fit", "choose fewer"],
+    );
+    refused(
+        &scene(&cells("sphere:1", "count = 1"), 2.05, ""),
+        [4, 9],
+        &["a body is", "long, with its gap, and the box"],
+    );
+    refused(
+        &scene(&cells("sphere:1", "haematocrit = 0.001"), 8.0, ""),
+        [4, 15],
+        &["would be 0 surfaces"],
+    );
+    let text = scene(&cells("sphere:1", "count = 4"), 8.0, "");
+    let (_, message) = the_error(&text.replace("box = [8, 8, 8]\n", ""));
+    assert!(message.contains("has to be given by `box`"), "{message}");
+    let relax = text.split("[driver]").next().expect("a text");
+    let (_, message) = the_error(&format!("{relax}[driver]\nkind = \"relax\"\n"));
+    assert!(message.contains("fills the box of the driver"), "{message}");
+    let (_, message) = the_error("units = \"none\"\n[driver]\nkind = \"relax\"\n");
+    assert!(
+        message.contains("add a [[surface]], or a [[population]]"),
+        "{message}"
+    );
+}
+
+/// What is wrong with one kind of surface is said once, at its table.
+#[test]
+fn problems_are_said_once() {
+    let text =
+        scene(&cells("sphere:1", "count = 9"), 8.0, "").replace("vertices = 362", "vertices = 42");
+    let file = SceneFile::parse(&text, Path::new("a.toml"), &Overrides::default()).expect("valid");
+    let (simulation, _) = build(&file).expect("a scene");
+    let coarse = simulation.warnings().iter().map(ToString::to_string);
+    let coarse =
+        Vec::from_iter(coarse.filter(|warning| warning.contains("nodes long in the mean")));
+    assert_eq!(coarse.len(), 1, "{coarse:?}");
+    assert!(coarse[0].contains("a.toml:6:"), "{}", coarse[0]);
+}
