@@ -4,7 +4,9 @@ use super::builder::Builder;
 use super::reader::Reader;
 use super::{Driver, LatticeBoltzmann, MeshSource, ObstacleScene, Orientation, SurfaceScene};
 use crate::info::MeshInfo;
+use crate::io::free_memory;
 use crate::simulation::Placed;
+use crate::six::rounded;
 use helfrich::Surface;
 use helfrich_mesh::packing::{Ball, Kind, Place, Room, inscribed_balls, pack};
 use serde::Serialize;
@@ -26,8 +28,8 @@ impl PopulationScene {
     }
 }
 
-/// The largest number of surfaces in populations: their names and numbers are kept one by one.
-const MOST: f64 = 1e6;
+/// Least memory of a vertex in bytes.
+const VERTEX_BYTES: f64 = 600.0;
 
 /// A population as it is read: its surfaces before they have places.
 struct Crowd<'a> {
@@ -60,7 +62,6 @@ impl Builder<'_> {
         };
         let alone = surfaces.split_off(first);
         let (Some(table), Some(driver)) = driver else {
-            surfaces.extend(alone);
             return Vec::new();
         };
         let Driver::LatticeBoltzmann(lattice) = driver else {
@@ -78,6 +79,10 @@ impl Builder<'_> {
                 "a population fills the box of the driver, which has to be given by `box`"
                     .to_owned(),
             );
+            return Vec::new();
+        }
+        // Surfaces are placed where everything else is right.
+        if !self.problems.0.is_empty() {
             return Vec::new();
         }
         let crowds = alone.into_iter().zip(readers);
@@ -199,23 +204,25 @@ impl Builder<'_> {
     /// The number of surfaces of a population in this volume.
     fn count(&mut self, crowd: &Crowd<'_>, free: f64) -> Option<usize> {
         let name = &crowd.surface.name;
-        let Some(part) = crowd.reader.number("haematocrit") else {
-            let count = crowd.reader.count("count")? as f64;
-            if count > MOST {
-                let message = format!("at most {MOST} surfaces fit into memory");
-                self.contradiction(&crowd.reader.origin_of("count"), message);
-                return None;
-            }
+        let (key, count) = match crowd.reader.number("haematocrit") {
+            Some(part) => ("haematocrit", (part * free / crowd.info.volume?).round()),
+            None => ("count", crowd.reader.count("count")? as f64),
+        };
+        let needed = VERTEX_BYTES * crowd.info.vertices as f64 * count;
+        let memory = free_memory().map_or(f64::INFINITY, |bytes| bytes as f64);
+        let message = if count < 1.0 {
+            format!(
+                "the box would have {count} surfaces of \"{name}\": choose more, or a larger `box`"
+            )
+        } else if needed > memory {
+            let [needed, free] = [needed, memory].map(|bytes| rounded(1e-9 * bytes));
+            format!(
+                "{count} surfaces of \"{name}\" take at least {needed} GB of memory, and {free} are free: choose fewer"
+            )
+        } else {
             return Some(count as usize);
         };
-        let count = (part * free / crowd.info.volume?).round();
-        if (1.0..=MOST).contains(&count) {
-            return Some(count as usize);
-        }
-        let message = format!(
-            "{part} of the box would be {count} surfaces of \"{name}\": choose a number for which there are 1 to {MOST}"
-        );
-        self.contradiction(&crowd.reader.origin_of("haematocrit"), message);
+        self.contradiction(&crowd.reader.origin_of(key), message);
         None
     }
 

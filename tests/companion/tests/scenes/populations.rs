@@ -173,7 +173,12 @@ fn populations_without_room_are_refused() {
     refused(
         &scene(&cells("sphere:1", "haematocrit = 0.001"), 8.0, ""),
         [4, 15],
-        &["would be 0 surfaces"],
+        &["would have 0 surfaces of \"cells\"", "choose more"],
+    );
+    refused(
+        &scene(&cells("sphere:1", "count = 9000000000000"), 8.0, ""),
+        [4, 9],
+        &["GB of memory", "choose fewer"],
     );
     let text = scene(&cells("sphere:1", "count = 4"), 8.0, "");
     let (_, message) = the_error(&text.replace("box = [8, 8, 8]\n", ""));
