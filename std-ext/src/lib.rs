@@ -8,6 +8,7 @@
 //!   that are inside out. [`packing`]: bodies placed at random in a box. [`polygon`]: polygons divided into triangles. [`repair`]: meshes made of
 //!   triangles that are none.
 //! * [`measurement`]: curvatures with error bars, by jets that choose their scale from the noise.
+//!   [`painting`]: their quantities as colours; [`remarks`]: what has to be said about them.
 //! * [`execute`]: threads and wide vectors for the core's loops.
 //! * [`study`]: accuracy and cost of the methods; [`verdict`]: whether they converge;
 //!   [`answer`]: the cheapest method for an accuracy; [`recommend`]: the cheapest method on a mesh
@@ -38,4 +39,6 @@ pub use helfrich_run::{checkpoint, lock, plots, run, sweep};
 pub use helfrich_scene::{scene, series, simulation};
 pub use helfrich_shape::{checked, contact, held, noise, remesh};
 pub use helfrich_solve::{deformation, dynamics, flow, smoothing};
-pub use helfrich_study::{answer, measurement, provenance, recommend, report, study, verdict};
+pub use helfrich_study::{
+    answer, measurement, painting, provenance, recommend, remarks, report, study, verdict,
+};

@@ -6,17 +6,17 @@ use crate::terminal::{
     Failure, ProgressBar, check_outputs, file_named, print, save, say, until_stopped,
 };
 use crate::{
-    MeshArguments, OptionArguments, ThreadArguments, load, method_names, positive,
-    refuse_replacing, warn,
+    MeshArguments, OptionArguments, ThreadArguments, load, method_names, positive, refuse_replacing,
 };
 use clap::builder::PossibleValuesParser;
-use helfrich::{AdaptiveJet, Cause, FitExtent, Surface, Verdict};
+use helfrich::{AdaptiveJet, FitExtent, Surface};
 use helfrich_std::execute::Parallel;
-use helfrich_std::io::{MeshFile, PointField, PointValues, write_vtp};
-use helfrich_std::measurement::{Column, ColumnValues, Measurement};
-use helfrich_std::method::{AnyMethod, BendingMethod, Compiled, Evaluated, Fields, MethodOptions};
-use helfrich_std::noise::noise_seen;
+use helfrich_std::io::{MeshFile, write_vtp};
+use helfrich_std::measurement::{Column, Measurement, in_numbers};
+use helfrich_std::method::{AnyMethod, Compiled, Evaluated, Fields, MethodOptions};
 use helfrich_std::orientation::inside_out;
+use helfrich_std::painting::QUANTITIES;
+use helfrich_std::remarks::{self, Remark};
 use helfrich_std::report;
 use helfrich_std::scalar::{HeldPositions, Scalar};
 use std::io::{self, IsTerminal, Write};
@@ -72,7 +72,7 @@ pub(crate) struct CurvatureArguments {
         value_name = "QUANTITY",
         default_value = "H",
         requires = "picture",
-        value_parser = PossibleValuesParser::new(picture::QUANTITIES)
+        value_parser = PossibleValuesParser::new(QUANTITIES)
     )]
     colour_by: String,
     #[command(flatten)]
@@ -108,75 +108,23 @@ fn measurement(
     });
     bar.clear();
     let measured = measured.ok_or(Failure::Unfinished(130))?;
-    warn(&arguments.input.mesh, &measured.findings());
-    tell_verdicts(&arguments.input.mesh, surface, &measured);
+    tell(
+        &arguments.input.mesh,
+        remarks::of_measurement(surface, &measured),
+    );
     Ok(Some(measured))
 }
 
-/// Prints the verdicts of the fits about the mesh.
-fn tell_verdicts(path: &Path, surface: Surface<'_, f64>, measured: &Measurement) {
-    let path = path.display();
-    let noise = measured.noise(surface);
-    if noise.is_seen() {
-        let seen = report::noise_of_positions(&noise);
-        say(format_args!(
-            "note: {path}: noise of positions {seen}, taken to be independent from vertex to vertex: error \
-             bars do not contain errors that neighbours share"
-        ));
-    }
-    let all = measured.vertices.len();
-    let told = |message: &str, count: usize| {
-        say(format_args!(
-            "warning: {path}: {count} of {all} vertices: {message}"
-        ));
-    };
-    let beside = |cause: Cause| {
-        let vertices = measured.vertices.iter();
-        vertices.filter(|at| at.cause == Some(cause)).count()
-    };
-    for (cause, what) in [
-        (Cause::BesideCrease, "a crease, corner or tip"),
-        (Cause::BesideOutlier, "a vertex far off the surface"),
-    ] {
-        let count = beside(cause);
-        if count > 0 {
-            told(
-                &format!("the fit includes {what}: error bars are not known"),
-                count,
-            );
-        }
-    }
-    let with_cause = measured.vertices.iter().filter(|at| at.cause.is_some());
-    let explained = |verdict: Verdict| {
-        with_cause
-            .clone()
-            .filter(|at| at.verdict == verdict)
-            .count()
-    };
-    let unresolved = measured.count(Verdict::Unresolved) - explained(Verdict::Unresolved);
-    if 50 * unresolved > all {
-        told("the mesh does not resolve the shape: refine it", unresolved);
-    }
-    let unknown = measured.count(Verdict::Unknown) - explained(Verdict::Unknown);
-    if unknown > 0 {
-        told(
-            "neighbours determine no fit, or do not show its error: no values, or no error bars",
-            unknown,
-        );
+/// Prints remarks about a mesh.
+fn tell(path: &Path, remarks: impl IntoIterator<Item = Remark>) {
+    for remark in remarks {
+        let (kind, path) = (remark.kind(), path.display());
+        say(format_args!("{kind}: {path}: {}", remark.text));
     }
 }
 
 /// The largest number of components that are named.
 const MOST_COMPONENTS: usize = 10;
-
-/// Whether f of a method does not converge at every vertex of every mesh: that of jets does, with G on all
-/// meshes but hard ones. Nothing is known of methods outside the list.
-fn has_undetermined_force(method: AnyMethod) -> bool {
-    use BendingMethod::{Galerkin, J4, J6, J8, Jet};
-    let determined = [Jet, J4, J6, J8, Galerkin].map(AnyMethod::from);
-    let listed = BendingMethod::NAMED.map(AnyMethod::from);
-    method.has_force() && listed.contains(&method) && !determined.contains(&method)
-}
 
 /// Runs the command.
 pub(crate) fn curvature(arguments: &CurvatureArguments) -> Result<(), Failure> {
@@ -264,23 +212,13 @@ fn curvature_in<T: Compiled>(
     let (method, number) = (arguments.method, T::constant(modulus));
     let mut evaluator = method.evaluator(options, number, &file.mesh, Parallel::new());
     let (fields, findings) = evaluator.fields_and_findings(surface);
-    warn(&arguments.input.mesh, &findings);
-    if has_undetermined_force(method) && fields.force_density.iter().any(Option::is_some) {
-        let path = arguments.input.mesh.display();
-        let quantities = match method.description().defines {
-            [.., true] => "f and LapH",
-            _ => "f",
-        };
-        say(format_args!(
-            "warning: {path}: {method} does not determine {quantities}: errors do not fall on finer meshes, and \
-             may be many times the values: take --method jet"
-        ));
-    }
+    tell(&arguments.input.mesh, remarks::of_findings(&findings));
+    tell(&arguments.input.mesh, remarks::of_method(method, &fields));
     // Noise is measured on the positions of the file, in f64: rounded to f32 it may not be visible.
     if measured.is_none()
         && let Ok(surface) = Surface::new(&file.mesh, &file.positions)
     {
-        tell_noise(&arguments.input.mesh, surface);
+        tell(&arguments.input.mesh, remarks::of_noise(surface));
     }
     let measured = measured.as_ref();
     let columns = measured.map_or_else(Vec::new, |measured| measured.columns(&fields, modulus));
@@ -360,60 +298,8 @@ fn save_surface<T: Evaluated>(
     columns: &[Column],
     file: &MeshFile,
 ) -> Result<(), Failure> {
-    let numbers = |values: &[Option<T>]| {
-        let values = values.iter().map(|value| value.map_or(f64::NAN, to_f64));
-        ColumnValues::Scalars(values.collect())
-    };
-    let normals = fields.normal.iter().map(|normal| normal.map(to_f64));
-    let densities = fields.force_density.iter();
-    let densities = densities.map(|density| density.map_or([f64::NAN; 3], |f| f.map(to_f64)));
-    let areas = fields.area.iter().map(|&area| to_f64(area));
-    let own = [
-        ("area", ColumnValues::Scalars(areas.collect())),
-        ("normal", ColumnValues::Vectors(normals.collect())),
-        ("H", numbers(&fields.mean)),
-        ("K", numbers(&fields.gaussian)),
-        ("LapH", numbers(&fields.laplacian_of_mean)),
-        ("f", ColumnValues::Vectors(densities.collect())),
-    ];
-    let own = own.map(|(name, values)| Column { name, values });
-    // VTK has no words: verdicts are numbered in their order, from clean to unknown.
-    let verdicts = columns.iter().find_map(|column| match &column.values {
-        ColumnValues::Verdicts(verdicts) => Some(Vec::from_iter(
-            verdicts.iter().map(|&verdict| f64::from(verdict as u8)),
-        )),
-        _ => None,
-    });
-    let all = own.iter().chain(columns).map(|column| PointField {
-        name: column.name,
-        values: match &column.values {
-            ColumnValues::Scalars(values) => PointValues::Scalars(values),
-            ColumnValues::Vectors(values) => PointValues::Vectors(values),
-            ColumnValues::Verdicts(_) => PointValues::Scalars(verdicts.as_deref().unwrap_or(&[])),
-        },
-    });
-    let all = Vec::from_iter(all);
+    let columns = in_numbers(fields, columns);
+    let all = Vec::from_iter(columns.iter().filter_map(Column::as_field));
     write_vtp(path, &file.mesh, &file.positions, None, &all)
         .map_err(|error| Failure::Output(error.to_string()))
-}
-
-/// Prints the noise of the positions, if any was found, and the number of vertices where it
-/// dominates f.
-fn tell_noise(path: &Path, surface: Surface<'_, f64>) {
-    let noise = noise_seen(surface);
-    if !noise.is_seen() {
-        return;
-    }
-    let mut findings = Vec::new();
-    noise.inspect(surface, &mut |finding| findings.push(finding));
-    warn(path, &findings);
-    let (path, seen) = (path.display(), report::noise_of_positions(&noise));
-    if findings.is_empty() {
-        say(format_args!("note: {path}: noise of positions {seen}"));
-    } else {
-        say(format_args!(
-            "warning: {path}: noise of positions {seen}: finer meshes of the same noise are worse; smooth \
-             the positions, take a coarser mesh, or let `helfrich recommend` measure what is left"
-        ));
-    }
 }

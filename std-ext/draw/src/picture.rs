@@ -17,7 +17,7 @@ mod ticks;
 
 pub use canvas::Canvas;
 pub use chart::{Axis, AxisScale, Chart, Curve, Marks, Numbers, Point};
-pub use colour::{Colour, ColourMap};
+pub use colour::{Colour, ColourMap, NO_VALUE};
 pub use slice::FlowSlice;
 
 use canvas::{Anchor, Area, text_width};
@@ -152,6 +152,17 @@ pub struct Colouring<'a> {
     pub range: Option<[f64; 2]>,
     /// The colours.
     pub map: ColourMap,
+}
+
+impl Colouring<'_> {
+    /// The values at the ends of the map, for these values; those that are not finite do not count.
+    ///
+    /// # Errors
+    /// If the range that was asked for has no extent that can be shown.
+    pub fn ends(&self, values: &[f64]) -> Result<[f64; 2], PictureError> {
+        let finite = values.iter().copied().filter(|value| value.is_finite());
+        range_of(*self, finite)
+    }
 }
 
 /// A direction of view, with parallel rays and no perspective.

@@ -15,8 +15,9 @@ use helfrich::{
     Prepared, Projected, ReferenceError, RigidBody, Skalak, StrainEnergy, StrongForm, Surface,
     SurfaceTension, Targets, TriangleMesh, WallAdhesion, remove_net_force_and_torque,
 };
+use helfrich_execute::clock;
 use std::fmt;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Areas by which the force densities of a method are multiplied to give nodal forces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -111,18 +112,18 @@ impl Effect {
     /// # Panics
     /// If `force` has fewer entries than the surface has vertices.
     pub fn add_force(&mut self, surface: Surface<'_, f64>, force: &mut [[f64; 3]]) -> f64 {
-        let start = Instant::now();
+        let start = clock::now();
         let energy = self.prepared.add_force(surface, force);
-        self.time += start.elapsed();
+        self.time += clock::since(start);
         self.evaluations += 1;
         energy
     }
 
     /// The energy alone, which [`Self::add_force`] returns, too.
     pub fn energy(&mut self, surface: Surface<'_, f64>) -> f64 {
-        let start = Instant::now();
+        let start = clock::now();
         let energy = self.prepared.energy(surface);
-        self.time += start.elapsed();
+        self.time += clock::since(start);
         self.evaluations += 1;
         energy
     }
@@ -496,10 +497,10 @@ impl Viscosity {
         velocities: &[[f64; 3]],
         force: &mut [[f64; 3]],
     ) {
-        let start = Instant::now();
+        let start = clock::now();
         self.prepared
             .add_dissipative_force(surface, velocities, force);
-        self.time += start.elapsed();
+        self.time += clock::since(start);
         self.evaluations += 1;
     }
 

@@ -55,11 +55,11 @@ pub use replace::{
 pub use sha256::sha256;
 pub use vti::{Grid, write_vti};
 pub use vtk::{PointField, PointValues, VtkError};
-pub use vtp::{Collection, CollectionEntry, write_vtp, write_vtp_with_cells};
+pub use vtp::{Collection, CollectionEntry, write_vtp, write_vtp_to, write_vtp_with_cells};
 pub(crate) use weld::merged;
 pub use weld::{Welded, weld};
 pub use whole::{free_memory, read_whole, without_mark};
-pub use write::{WriteError, write, write_to, write_with_colours};
+pub use write::{WriteError, write, write_to, write_to_with_colours, write_with_colours};
 
 use std::path::Path;
 
@@ -140,6 +140,23 @@ pub fn read_soup(path: &Path) -> Result<(Soup, Vec<Column>), ReadError> {
     read_and(path, Columns::Read, soup_of)
 }
 
+/// Parses the bytes of a file of this name, which identifies the format as in [`read`] and begins messages, with the
+/// numbers at its vertices and triangles. Nothing is read from the disk: files beside it are not there.
+///
+/// # Errors
+/// As [`read_with_columns`].
+pub fn parse_named(name: &Path, bytes: &[u8]) -> Result<(MeshFile, Vec<Column>), ReadError> {
+    parse_file(name, bytes, Columns::Read, None, mesh_of)
+}
+
+/// Parses the bytes of a file of this name as triangles that need not form a mesh, as [`parse_named`].
+///
+/// # Errors
+/// As [`read_soup`].
+pub fn parse_named_soup(name: &Path, bytes: &[u8]) -> Result<(Soup, Vec<Column>), ReadError> {
+    parse_file(name, bytes, Columns::Read, None, soup_of)
+}
+
 /// Reads a file, unpacks it, and parses it in its format.
 fn read_and<T>(
     path: &Path,
@@ -154,18 +171,29 @@ fn read_and<T>(
             _ => ReadError::Unreadable { path, error },
         }
     })?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    parse_file(path, &bytes, columns, Some(folder), parse)
+}
+
+/// Unpacks the bytes of a file, and parses them in its format.
+fn parse_file<T>(
+    path: &Path,
+    bytes: &[u8],
+    columns: Columns,
+    folder: Option<&Path>,
+    parse: impl FnOnce(&[u8], Format, Reading<'_>) -> Result<T, ParseError>,
+) -> Result<T, ReadError> {
     let refused = |error| ReadError::Parse {
         path: path.to_owned(),
         error,
     };
-    let content = gzip::unpacked(&bytes).map_err(refused)?;
+    let content = gzip::unpacked(bytes).map_err(refused)?;
     let format = Format::from_extension(path)
         .or_else(|| Format::from_content(&content))
         .ok_or_else(|| ReadError::UnknownFormat {
             path: path.to_owned(),
         })?;
-    let folder = Some(path.parent().unwrap_or(Path::new("")));
-    let reading = Reading::new(columns, &bytes, folder);
+    let reading = Reading::new(columns, bytes, folder);
     parse(&content, format, reading).map_err(refused)
 }
 

@@ -4,13 +4,16 @@
 //!   [`answer`]: the cheapest method for an accuracy; [`recommend`]: the cheapest method on a mesh
 //!   of the user.
 //! * [`measurement`]: curvatures with error bars, by jets whose scale is chosen from the noise.
+//! * [`painting`]: their quantities as colours; [`remarks`]: what has to be said about them.
 //! * [`provenance`]: program, compiler and machine of measurements.
 //! * [`report`]: tables, CSV and HTML of results, also of runs and sweeps.
 
 pub mod answer;
 pub mod measurement;
+pub mod painting;
 pub mod provenance;
 pub mod recommend;
+pub mod remarks;
 pub mod report;
 pub mod study;
 pub mod verdict;

@@ -1,6 +1,7 @@
 //! Curvatures and force densities with error bars: of jets that choose their scale, and of other
 //! methods by comparison with these.
 
+use crate::io::{PointField, PointValues};
 use crate::method::Fields;
 use crate::noise;
 use helfrich::{AdaptiveJet, Estimate, Finding, Measured, Noise, Real, Surface, Verdict};
@@ -31,6 +32,57 @@ pub enum ColumnValues {
     Vectors(Vec<[f64; 3]>),
     /// One verdict per vertex.
     Verdicts(Vec<Verdict>),
+}
+
+/// The results of a method as columns, and further columns, in numbers alone, as files for VTK have them: verdicts are
+/// numbered in their order, from clean to unknown.
+pub fn in_numbers<T: Real>(fields: &Fields<T>, columns: &[Column]) -> Vec<Column> {
+    let number = |value: T| value.to_f64().unwrap_or(f64::NAN);
+    let vectors = |of: &mut dyn Iterator<Item = [T; 3]>| {
+        ColumnValues::Vectors(of.map(|vector| vector.map(number)).collect())
+    };
+    let numbers = |values: &[Option<T>]| {
+        let values = values.iter().map(|value| value.map_or(f64::NAN, number));
+        ColumnValues::Scalars(values.collect())
+    };
+    let areas = fields.area.iter().map(|&area| number(area));
+    let densities = fields.force_density.iter();
+    let own = [
+        ("area", ColumnValues::Scalars(areas.collect())),
+        ("normal", vectors(&mut fields.normal.iter().copied())),
+        ("H", numbers(&fields.mean)),
+        ("K", numbers(&fields.gaussian)),
+        ("LapH", numbers(&fields.laplacian_of_mean)),
+        (
+            "f",
+            vectors(&mut densities.map(|density| density.unwrap_or([T::nan(); 3]))),
+        ),
+    ];
+    let own = own.map(|(name, values)| Column { name, values });
+    let others = columns.iter().map(|Column { name, values }| Column {
+        name,
+        values: match values {
+            ColumnValues::Verdicts(verdicts) => {
+                let numbers = verdicts.iter().map(|&verdict| f64::from(verdict as u8));
+                ColumnValues::Scalars(numbers.collect())
+            }
+            values => values.clone(),
+        },
+    });
+    own.into_iter().chain(others).collect()
+}
+
+impl Column {
+    /// The column as a field of a file; `None` for verdicts, which [`in_numbers`] makes numbers.
+    pub fn as_field(&self) -> Option<PointField<'_>> {
+        let values = match &self.values {
+            ColumnValues::Scalars(values) => PointValues::Scalars(values),
+            ColumnValues::Vectors(values) => PointValues::Vectors(values),
+            ColumnValues::Verdicts(_) => return None,
+        };
+        let name = self.name;
+        Some(PointField { name, values })
+    }
 }
 
 /// The word for a verdict in files and messages.

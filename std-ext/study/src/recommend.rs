@@ -26,8 +26,8 @@ use crate::noise::{Quieted, noise_of};
 use crate::scalar::{HeldPositions, Scalar};
 use crate::study::{Quantity, Reference, StudyProgress, Timing, is_scattered};
 use helfrich::{Finding, Noise, Surface, SurfaceError, TriangleMesh};
+use helfrich_execute::clock;
 use serde::{Serialize, Serializer};
-use std::time::Instant;
 use uncertainty::Uncertain;
 
 /// Request of a user.
@@ -500,9 +500,9 @@ impl Ground<'_> {
         let held = HeldPositions::<T>::new(scalar, positions);
         let surface = held.surface(mesh)?;
         let mut evaluator = method.evaluator(&options, T::one(), mesh, Parallel::single());
-        let start = Instant::now();
+        let start = clock::now();
         evaluator.evaluate(surface);
-        let time = Timing::of_runs(start.elapsed(), || evaluator.evaluate(surface));
+        let time = Timing::of_runs(clock::since(start), || evaluator.evaluate(surface));
         let fields = evaluator.last_fields(surface);
         Ok(self.candidate((method, options, scalar), &fields, time))
     }

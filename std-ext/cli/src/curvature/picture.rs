@@ -1,38 +1,15 @@
 //! The picture of `helfrich curvature`.
 
-use super::to_f64;
 use crate::terminal::{Failure, save};
 use helfrich::Surface;
-use helfrich_std::measurement::{Column, ColumnValues, Measurement};
+use helfrich_std::measurement::{Column, Measurement};
 use helfrich_std::method::{Evaluated, Fields};
-use helfrich_std::picture::{ColourMap, Colouring, PaintedSurface, Picture, Shading, View};
+use helfrich_std::painting::{OF_METHODS, Painting, scalars, values};
+use helfrich_std::picture::{PaintedSurface, Picture, Shading, View};
 use std::path::Path;
 
 /// Width and height in pixels.
 const SIZE: [u32; 2] = [900, 700];
-
-/// The quantities that every surface can be coloured by.
-const OF_METHODS: [&str; 3] = ["H", "K", "f"];
-
-/// The quantities that a surface can be coloured by, by the names of their columns. A measurement has those
-/// that are not among [`OF_METHODS`].
-pub(super) const QUANTITIES: [&str; 15] = [
-    "H",
-    "K",
-    "f",
-    "k1",
-    "k2",
-    "curvedness",
-    "shape_index",
-    "H_error",
-    "K_error",
-    "f_error",
-    "k1_error",
-    "k2_error",
-    "curvedness_error",
-    "shape_index_error",
-    "sigma",
-];
 
 /// Checks a picture's name and quantity before the work starts.
 pub(super) fn check(path: &Path, quantity: &str, is_measured: bool) -> Result<(), Failure> {
@@ -51,50 +28,7 @@ pub(super) fn check(path: &Path, quantity: &str, is_measured: bool) -> Result<()
     Ok(())
 }
 
-/// A quantity at every vertex; NaN where there is none.
-fn values<T: Evaluated>(quantity: &str, fields: &Fields<T>, columns: &[Column]) -> Vec<f64> {
-    let numbers = |values: &[Option<T>]| {
-        let numbers = values.iter().map(|value| value.map_or(f64::NAN, to_f64));
-        numbers.collect()
-    };
-    match quantity {
-        "H" => numbers(&fields.mean),
-        "K" => numbers(&fields.gaussian),
-        "f" => {
-            let both = fields.force_density.iter().zip(&fields.normal);
-            let along = both.map(|(density, normal)| {
-                let parts = density.iter().flatten().zip(normal);
-                let along = parts.map(|(&f, &n)| to_f64(f) * to_f64(n));
-                density.map_or(f64::NAN, |_| along.sum())
-            });
-            along.collect()
-        }
-        _ => scalars(columns, quantity).to_vec(),
-    }
-}
-
-/// The numbers of a column; none if there is no such column.
-fn scalars<'a>(columns: &'a [Column], name: &str) -> &'a [f64] {
-    let column = columns.iter().find(|column| column.name == name);
-    match column.map(|column| &column.values) {
-        Some(ColumnValues::Scalars(values)) => values,
-        _ => &[],
-    }
-}
-
-/// The finite value below which a fraction of them lies; NaN without any.
-fn quantile(values: &[f64], part: f64) -> f64 {
-    let mut values = Vec::from_iter(values.iter().copied().filter(|value| value.is_finite()));
-    values.sort_by(f64::total_cmp);
-    let last = values.len().saturating_sub(1) as f64;
-    let at = (part * last) as usize;
-    values.get(at).copied().unwrap_or(f64::NAN)
-}
-
 /// Draws the surface in the colours of a quantity, with principal directions if they are known.
-///
-/// Colours span four median error bars at least: noise is not to look like shape. Where twice the bar is
-/// more than they span, the surface is grey: a colour would say nothing.
 pub(super) fn draw<T: Evaluated>(
     path: &Path,
     quantity: &str,
@@ -103,32 +37,14 @@ pub(super) fn draw<T: Evaluated>(
     columns: &[Column],
     measured: Option<&Measurement>,
 ) -> Result<(), Failure> {
-    let mut values = values(quantity, fields, columns);
-    let [low, middle, high] = [0.01, 0.5, 0.99].map(|part| quantile(&values, part));
-    if middle.is_nan() {
+    let values = values(quantity, fields, columns);
+    let errors = scalars(columns, &format!("{quantity}_error"));
+    let Some(painting) = Painting::new(values, errors) else {
         let message =
             format!("no vertex has a value of {quantity}: choose another --method or --colour-by");
         return Err(Failure::Input(message.into()));
-    }
-    let errors = scalars(columns, &format!("{quantity}_error"));
-    let typical = quantile(errors, 0.5);
-    let is_noise = high - low < 4.0 * typical;
-    // Values that are equal but for rounding would need more digits than a bar of colours has.
-    let half = (2.0 * typical).max(0.01 * middle.abs());
-    let span = if is_noise { 2.0 * half } else { high - low };
-    for (value, &error) in values.iter_mut().zip(errors) {
-        // Also grey where nothing is known of the error.
-        if error.is_nan() || 2.0 * error > span {
-            *value = f64::NAN;
-        }
-    }
-    // Values that cannot be told from 0 have a scale on both sides of it.
-    let is_zero = is_noise && half > middle.abs();
-    let is_signed = is_zero || values.iter().any(|&value| value < 0.0);
-    let range = is_noise.then(|| match is_signed {
-        true => [-half - middle.abs(), half + middle.abs()],
-        false => [middle - half, middle + half],
-    });
+    };
+    let typical = painting.error;
     let mut label = quantity.to_owned();
     if typical.is_finite() {
         label = format!("{quantity} (median error bar {typical:.1e})");
@@ -144,19 +60,12 @@ pub(super) fn draw<T: Evaluated>(
         },
         surfaces: &[PaintedSurface {
             surface,
-            field: Some(&values),
+            field: Some(&painting.values),
             shading: Shading::Smooth,
             edges: false,
             strokes: has_directions.then_some(&directions),
         }],
-        colours: Colouring {
-            label: &label,
-            range,
-            map: match is_signed {
-                true => ColourMap::Diverging,
-                false => ColourMap::Sequential,
-            },
-        },
+        colours: painting.colouring(&label),
         view: View::default(),
         length_unit: None,
     };

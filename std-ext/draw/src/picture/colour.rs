@@ -10,7 +10,7 @@ pub(super) const WHITE: Colour = [1.0; 3];
 pub(super) const INK: Colour = [0.1; 3];
 pub(super) const FAINT: Colour = [0.87; 3];
 /// The colour of missing values.
-pub(super) const NO_VALUE: Colour = [0.55; 3];
+pub const NO_VALUE: Colour = [0.55; 3];
 /// The colour of a surface without a field.
 pub(super) const PLAIN: Colour = [0.78, 0.8, 0.83];
 
@@ -22,6 +22,17 @@ pub enum ColourMap {
     Sequential,
     /// Two hues that meet in a light neutral colour for 0, for fields with a sign.
     Diverging,
+}
+
+impl ColourMap {
+    /// This many colours at equal distances from one end of the map to the other, as sRGB encodes them.
+    pub fn colours(self, count: usize) -> Vec<[u8; 3]> {
+        let table = Table::new(self);
+        let last = count.saturating_sub(1).max(1) as f32;
+        let byte = |light: f32| (255.0 * encoded(light)).round() as u8;
+        let colour = |at: usize| table.at(at as f32 / last).map(byte);
+        (0..count).map(colour).collect()
+    }
 }
 
 /// Encodes linear light by the sRGB curve.

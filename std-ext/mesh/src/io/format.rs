@@ -112,15 +112,25 @@ impl Format {
         }
     }
 
+    /// The endings of files that can be read, in lower case, without dots.
+    pub fn endings() -> impl Iterator<Item = &'static str> {
+        ENDINGS.iter().map(|&(ending, ..)| ending)
+    }
+
+    /// The endings of files that can be written, in lower case, without dots.
+    pub fn written_endings() -> impl Iterator<Item = &'static str> {
+        let written = ENDINGS.iter().filter(|&&(.., written)| written);
+        written.map(|&(ending, ..)| ending)
+    }
+
     /// The endings of files that can be read, as words: `.obj, .off and .stl`.
     pub fn readable() -> String {
-        listed(ENDINGS.iter().map(|&(ending, ..)| ending))
+        listed(Self::endings())
     }
 
     /// The endings of files that can be written, as words: `.obj, .off and .stl`.
     pub fn writable() -> String {
-        let written = ENDINGS.iter().filter(|&&(.., written)| written);
-        listed(written.map(|&(ending, ..)| ending))
+        listed(Self::written_endings())
     }
 }
 

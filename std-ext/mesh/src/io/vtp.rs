@@ -49,14 +49,46 @@ pub fn write_vtp_with_cells(
     fields: &[PointField<'_>],
     cells: &[PointField<'_>],
 ) -> Result<(), VtkError> {
+    check(path, mesh, positions, fields, cells)?;
+    write_data(path, "PolyData", "", time, |out| {
+        piece(out, mesh.triangles(), positions, fields, cells)
+    })
+}
+
+/// Writes a surface and fields at its vertices, as [`write_vtp`]; `name` begins the messages.
+///
+/// # Errors
+/// As [`write_vtp`]; any error of `out` instead of those of files.
+pub fn write_vtp_to(
+    out: &mut dyn Write,
+    name: &Path,
+    mesh: &TriangleMesh,
+    positions: &[[f64; 3]],
+    fields: &[PointField<'_>],
+) -> Result<(), VtkError> {
+    check(name, mesh, positions, fields, &[])?;
+    let written = write_document(out, "PolyData", "", None, |out| {
+        piece(out, mesh.triangles(), positions, fields, &[])
+    });
+    written.map_err(|error| VtkError::Unwritable {
+        path: name.to_owned(),
+        error,
+    })
+}
+
+/// Checks the numbers of positions and of the values of fields, and the names of these.
+fn check(
+    path: &Path,
+    mesh: &TriangleMesh,
+    positions: &[[f64; 3]],
+    fields: &[PointField<'_>],
+    cells: &[PointField<'_>],
+) -> Result<(), VtkError> {
     let vertices = (mesh.vertex_count(), "vertices");
     let what = format_args!("the list of positions");
     check_count(path, what, positions.len(), vertices)?;
     check_fields(path, fields, vertices)?;
-    check_fields(path, cells, (mesh.triangles().len(), "triangles"))?;
-    write_data(path, "PolyData", "", time, |out| {
-        piece(out, mesh.triangles(), positions, fields, cells)
-    })
+    check_fields(path, cells, (mesh.triangles().len(), "triangles"))
 }
 
 /// Writes a surface without fields, as one of the mesh formats, and the colours of its vertices if there are any.

@@ -134,6 +134,29 @@ pub fn write_to(
     encode(out, format, positions, mesh, None)
 }
 
+/// Writes a mesh with a colour of each vertex in a format, as [`write_with_colours`] does; STL has no colours and
+/// leaves them out.
+///
+/// # Errors
+/// As [`write_to`].
+///
+/// # Panics
+/// As [`write_to`]; also if there is not one colour for each vertex.
+pub fn write_to_with_colours(
+    out: &mut dyn Write,
+    format: Format,
+    positions: &[[f64; 3]],
+    mesh: &TriangleMesh,
+    colours: &[[u8; 3]],
+) -> io::Result<()> {
+    assert_eq!(
+        colours.len(),
+        mesh.vertex_count(),
+        "one colour for each vertex is needed"
+    );
+    encode(out, format, positions, mesh, Some(colours))
+}
+
 fn encode(
     out: &mut dyn Write,
     format: Format,

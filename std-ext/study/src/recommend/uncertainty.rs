@@ -6,7 +6,7 @@ use crate::measurement::Measurement;
 use crate::method::{Evaluated, Fields};
 use crate::study::{Quantity, Reference, Timing};
 use helfrich::{AdaptiveJet, Measured, Real, Surface};
-use std::time::Instant;
+use helfrich_execute::clock;
 
 /// The mean of the absolute value of a normal error, in standard deviations: √(2/π).
 const MEAN: f64 = 0.8;
@@ -41,10 +41,10 @@ impl Uncertain {
         quantity: Quantity,
         watch: &mut dyn FnMut(f64) -> bool,
     ) -> Option<Self> {
-        let start = Instant::now();
+        let start = clock::now();
         let measurement = Measurement::new(surface, &AdaptiveJet::default(), watch)?;
         let threads = available_threads().get() as u32;
-        let time = Timing::of_one(start.elapsed() * threads);
+        let time = Timing::of_one(clock::since(start) * threads);
         let estimates = |quantity: Quantity| {
             let all = measurement.vertices.iter().enumerate();
             let all = all.map(move |(vertex, at)| {

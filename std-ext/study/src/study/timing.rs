@@ -1,6 +1,7 @@
 //! Time of an evaluation: the median of several runs, and their scatter.
 
-use std::time::{Duration, Instant};
+use helfrich_execute::clock;
+use std::time::Duration;
 
 /// The scatter above which a median is unreliable: the distance of the quartiles relative to the
 /// median. On an idle machine it is a few hundredths, while the compared methods differ by tenths
@@ -32,12 +33,12 @@ impl Timing {
     /// contradict that of the `first` run. `first` is the time of an earlier run, which has warmed
     /// the memory.
     pub(crate) fn of_runs(first: Duration, mut run: impl FnMut()) -> Self {
-        let start = Instant::now();
+        let start = clock::now();
         let mut times = Vec::new();
-        while is_more_needed(first, &times, start.elapsed()) {
-            let one = Instant::now();
+        while is_more_needed(first, &times, clock::since(start)) {
+            let one = clock::now();
             run();
-            times.push(one.elapsed());
+            times.push(clock::since(one));
         }
         Self::of(times)
     }
