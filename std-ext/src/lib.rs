@@ -30,7 +30,7 @@
 
 pub use helfrich_draw::picture;
 pub use helfrich_evaluate::{effect, method, scalar};
-pub use helfrich_execute::{execute, ordered};
+pub use helfrich_execute::{clock, execute, ordered};
 pub use helfrich_mesh::{
     enclosure, generate, info, io, orientation, packing, parting, polygon, repair, section,
     subdivide,

@@ -37,6 +37,9 @@ thread_local! {
     static ALLOWED: Cell<Option<NonZeroUsize>> = const { Cell::new(None) };
 }
 
+/// Whether the target can start threads: WebAssembly in a browser cannot, and need not have the code for it.
+const HAS_THREADS: bool = !cfg!(target_family = "wasm");
+
 /// Number of threads that [`with_threads`] allows here; outside of it, the number that the process may run at
 /// once.
 pub fn available_threads() -> NonZeroUsize {
@@ -133,6 +136,9 @@ fn on_threads<'a>(next: &mut dyn FnMut() -> Option<Task<'a>>) {
 /// # Panics
 /// If `work` does.
 pub fn in_parts<P: Send>(mut parts: impl Iterator<Item = P>, work: &(impl Fn(P) + Sync)) {
+    if !HAS_THREADS {
+        return parts.for_each(work);
+    }
     on_threads(&mut || {
         let part = parts.next()?;
         Some(Box::new(move || work(part)))
@@ -207,8 +213,16 @@ pub fn dispatch(task: impl NullaryFnOnce<Output = ()>) {
     }
 }
 
+/// Runs a task in the vectors of the target, as [`Parallel`] runs its loops. WebAssembly has those for which it was
+/// compiled.
+#[cfg(target_family = "wasm")]
+#[inline(never)]
+pub fn dispatch(task: impl NullaryFnOnce<Output = ()>) {
+    task.call();
+}
+
 /// Runs a task in the vectors of the target, as [`Parallel`] runs its loops.
-#[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
+#[cfg(not(any(target_arch = "x86", target_arch = "x86_64", target_family = "wasm")))]
 #[inline(never)]
 pub fn dispatch(task: impl NullaryFnOnce<Output = ()>) {
     pulp::Arch::new().dispatch(task);
@@ -287,7 +301,7 @@ impl Execution for Parallel {
         };
         let vertices = surface.positions().len();
         let threads = self.threads.get().min(elements.len() / FEWEST_ELEMENTS);
-        if threads <= 1 {
+        if !HAS_THREADS || threads <= 1 {
             return onto((0, output));
         }
         let size = vertices.div_ceil(threads);
@@ -338,7 +352,7 @@ impl Parallel {
         run: &(impl Fn((&mut S, usize, O)) + Sync),
     ) {
         let count = output.count();
-        if self.threads.get() == 1 || count <= FIRST_SLOTS {
+        if !HAS_THREADS || self.threads.get() == 1 || count <= FIRST_SLOTS {
             return run((&mut scratches[0], 0, output));
         }
         let (first, rest) = output.split_at(FIRST_SLOTS);

@@ -162,11 +162,52 @@ pub enum RecommendError {
     },
 }
 
+/// A method with its options and number type.
+type Which = (AnyMethod, MethodOptions, Scalar);
+
+/// Measures a method.
+type Measure = fn(&Ground<'_>, Which) -> Result<Candidate, SurfaceError>;
+
 /// Measures every candidate on a mesh, and chooses. `None` if interrupted.
 ///
 /// # Errors
 /// If the positions do not fit a number type, no vertex can be compared, or two methods have one name.
 pub fn recommend(
+    mesh: &TriangleMesh,
+    positions: &[[f64; 3]],
+    request: &Request,
+    interrupted: &dyn Fn() -> bool,
+    progress: &mut dyn FnMut(StudyProgress<'_>),
+) -> Result<Option<Recommendation>, RecommendError> {
+    let measure: Measure = |ground, which| match which.2 {
+        Scalar::F32 | Scalar::F32Pair => ground.measured::<f32>(which),
+        Scalar::F64 => ground.measured::<f64>(which),
+    };
+    recommend_by(measure, mesh, positions, request, interrupted, progress)
+}
+
+/// As [`recommend`], with candidates in f64 whatever the request names: programs of which the size counts need not
+/// have all methods in f32, too.
+///
+/// # Errors
+/// As [`recommend`].
+pub fn recommend_in_f64(
+    mesh: &TriangleMesh,
+    positions: &[[f64; 3]],
+    request: &Request,
+    interrupted: &dyn Fn() -> bool,
+    progress: &mut dyn FnMut(StudyProgress<'_>),
+) -> Result<Option<Recommendation>, RecommendError> {
+    let request = Request {
+        scalars: vec![Scalar::F64],
+        ..request.clone()
+    };
+    let measure: Measure = |ground, which| ground.measured::<f64>(which);
+    recommend_by(measure, mesh, positions, &request, interrupted, progress)
+}
+
+fn recommend_by(
+    measure: Measure,
     mesh: &TriangleMesh,
     positions: &[[f64; 3]],
     request: &Request,
@@ -236,10 +277,9 @@ pub fn recommend(
                 continue;
             }
             let jet = jet.filter(|_| method.has_error_bars());
-            let measured = match (scalar, jet) {
-                (_, Some(jet)) => Ok(ground.of_jet(jet, method)),
-                (Scalar::F32 | Scalar::F32Pair, None) => ground.measured::<f32>(which),
-                (Scalar::F64, None) => ground.measured::<f64>(which),
+            let measured = match jet {
+                Some(jet) => Ok(ground.of_jet(jet, method)),
+                None => measure(&ground, which),
             };
             let measured = measured.map_err(|source| RecommendError::Surface { scalar, source })?;
             candidates.push(Candidate {
@@ -494,7 +534,7 @@ impl Ground<'_> {
     /// A method in a number type, and the time of an evaluation.
     fn measured<T: Compiled>(
         &self,
-        (method, options, scalar): (AnyMethod, MethodOptions, Scalar),
+        (method, options, scalar): Which,
     ) -> Result<Candidate, SurfaceError> {
         let (mesh, positions) = (self.surface.mesh(), self.surface.positions());
         let held = HeldPositions::<T>::new(scalar, positions);
@@ -509,7 +549,7 @@ impl Ground<'_> {
 
     fn candidate<T: Evaluated>(
         &self,
-        (method, options, scalar): (AnyMethod, MethodOptions, Scalar),
+        (method, options, scalar): Which,
         fields: &Fields<T>,
         time: Timing,
     ) -> Candidate {

@@ -4,7 +4,7 @@ use crate::measurement::Measurement;
 use crate::method::{AnyMethod, BendingMethod, Evaluated, Fields};
 use crate::noise::noise_seen;
 use crate::report::{first_of_each_kind, noise_of_positions};
-use helfrich::{Cause, Finding, Surface, Verdict};
+use helfrich::{Cause, Finding, Measured, Surface, Verdict};
 use std::fmt;
 
 /// A remark about a surface.
@@ -50,6 +50,43 @@ pub fn of_findings(findings: &[Finding]) -> Vec<Remark> {
     remarks.collect()
 }
 
+/// Causes that concern another vertex than the one they are told of.
+const BESIDE: [(Cause, &str); 2] = [
+    (
+        Cause::BesideCrease,
+        "the fit includes a crease, corner or tip: error bars are not known",
+    ),
+    (
+        Cause::BesideOutlier,
+        "the fit includes a vertex far off the surface: error bars are not known",
+    ),
+];
+
+const UNRESOLVED: &str = "the mesh does not resolve the shape: refine it";
+const UNKNOWN: &str =
+    "neighbours determine no fit, or do not show its error: no values, or no error bars";
+
+/// The reason for the error bars of a vertex, in words; empty if nothing is doubtful.
+pub fn of_vertex(at: &Measured<f64>, vertex: u32) -> String {
+    if let Some(finding) = at.cause.and_then(|cause| cause.finding(vertex)) {
+        let first = first_of_each_kind(&[finding]).into_iter().next();
+        let (_, text) = first.unwrap_or_default();
+        // The place is known to the caller.
+        let words = text.split(" (the first is ").next();
+        return words.unwrap_or_default().to_owned();
+    }
+    let beside = BESIDE.iter().find(|(cause, _)| at.cause == Some(*cause));
+    let text = match (beside, at.verdict) {
+        (Some((_, text)), _) => text,
+        (_, Verdict::Unresolved) => UNRESOLVED,
+        (_, Verdict::Unknown) => UNKNOWN,
+        (_, Verdict::OneSided) => "at a boundary, or next to it: fits are one-sided",
+        (_, Verdict::Noise) => "noise of the positions",
+        (_, Verdict::Clean) => "",
+    };
+    text.to_owned()
+}
+
 /// The verdicts of a measurement about the mesh.
 pub fn of_measurement(surface: Surface<'_, f64>, measured: &Measurement) -> Vec<Remark> {
     let mut remarks = of_findings(&measured.findings());
@@ -67,16 +104,7 @@ pub fn of_measurement(surface: Surface<'_, f64>, measured: &Measurement) -> Vec<
         let text = format!("{count} of {all} vertices: {message}");
         remarks.push(Remark::warning(text));
     };
-    for (cause, message) in [
-        (
-            Cause::BesideCrease,
-            "the fit includes a crease, corner or tip: error bars are not known",
-        ),
-        (
-            Cause::BesideOutlier,
-            "the fit includes a vertex far off the surface: error bars are not known",
-        ),
-    ] {
+    for (cause, message) in BESIDE {
         let count = vertices.iter().filter(|at| at.cause == Some(cause)).count();
         if count > 0 {
             told(message, count);
@@ -89,14 +117,11 @@ pub fn of_measurement(surface: Surface<'_, f64>, measured: &Measurement) -> Vec<
     let unresolved = unexplained(Verdict::Unresolved);
     // From 2 % on.
     if 50 * unresolved > all {
-        told("the mesh does not resolve the shape: refine it", unresolved);
+        told(UNRESOLVED, unresolved);
     }
     let unknown = unexplained(Verdict::Unknown);
     if unknown > 0 {
-        told(
-            "neighbours determine no fit, or do not show its error: no values, or no error bars",
-            unknown,
-        );
+        told(UNKNOWN, unknown);
     }
     remarks
 }
