@@ -1,4 +1,5 @@
 // The page: what is chosen, what is asked of the worker, and what is shown. All words about results are the program's.
+import branches from "./branches.json";
 import { Cancelled, Engine } from "./engine.js";
 import { colourBar, energies, histogram, short, withError } from "./plots.js";
 import { SurfaceView } from "./surface.js";
@@ -29,6 +30,8 @@ let chosen = -1;
 let busy = false;
 /** The work that was asked for last. */
 let last = Promise.resolve();
+/** Whether the worker does not have the mesh of the page. */
+let isLost = false;
 let relaxing = false;
 
 const bytesOf = async (/** @type {string} */ id) => {
@@ -66,16 +69,14 @@ async function run(what, work) {
   say(`${what} …`);
   const start = performance.now();
   try {
+    await restore();
     await work();
     if ($("status").textContent === `${what} …`) say(`${what}: ${((performance.now() - start) / 1000).toFixed(1)} s`);
   } catch (error) {
-    if (error instanceof Cancelled) {
-      say("Cancelled.");
-    } else {
-      if (error.failed) engine.cancel();
-      tell(error);
-    }
-    if (error instanceof Cancelled || error.failed) await restore();
+    if (error instanceof Cancelled) say("Cancelled.");
+    else tell(error);
+    if (error.failed) engine.cancel();
+    if (error instanceof Cancelled || error.failed) lose();
   } finally {
     busy = false;
     $("progress").hidden = $("cancel").hidden = true;
@@ -84,14 +85,24 @@ async function run(what, work) {
   }
 }
 
-/** Gives the mesh to a new worker, which has no results. */
-async function restore() {
+/** The worker is a new one, which has nothing. */
+function lose() {
+  isLost = true;
   results = [];
-  if (!mesh) return;
+  shown = [];
+  view?.setPaints([]);
+  $("bar").textContent = $("histogram").textContent = "";
+  list([]);
+}
+
+/** Gives the mesh to a new worker. */
+async function restore() {
+  if (!mesh || !isLost) return;
   const data = new Uint8Array(8 * mesh.positions.length + 4 * mesh.triangles.length);
   data.set(new Uint8Array(mesh.positions.buffer), 0);
   data.set(new Uint8Array(mesh.triangles.buffer), 8 * mesh.positions.length);
   await engine.ask({ do: "restore", name: mesh.name, vertices: mesh.positions.length / 3 }, data);
+  isLost = false;
 }
 
 function enable() {
@@ -104,6 +115,7 @@ function enable() {
 
 /** Takes the mesh of an answer. @param {any} answer */
 function take({ text, arrays }) {
+  isLost = false;
   mesh = { name: text.name, few: text.few, remarks: text.remarks, ...arrays };
   results = [];
   shown = [];
@@ -400,13 +412,13 @@ const relax = () => during("Relaxing", async () => {
   relaxing = true;
   $("relax").textContent = "Stop";
   $("energy").hidden = false;
-  const branch = about.branches.find((/** @type {any} */ known) => known.name === start);
+  const branch = branches.find((/** @type {any} */ known) => known.name === start);
   const theory = at(branch.points, reduced_volume);
   let { end } = answer.text;
   try {
     for (let text = answer.text; ; ) {
       const expected = theory === undefined ? "" : `; theory of the ${start} branch: ${theory.toFixed(4)}`;
-      $("energy").innerHTML = energies(about.branches, reduced_volume, history);
+      $("energy").innerHTML = energies(branches, reduced_volume, history);
       const words = `Energy over 8πκ: ${text.energy.toFixed(4)} after ${text.iteration} steps${expected}`;
       $("energy").ariaLabel = words;
       $("relaxed").textContent = end ? `${words}. ${end}.` : words;

@@ -16,18 +16,12 @@ export function withError(value, error) {
   return `${short(value)} ± ${bar}`;
 }
 
-/** @param {number[]} colour */
-const css = (colour) => `rgb(${colour.join(" ")})`;
-
 /** The bar of colours between two values. @param {number[]} range @param {string} title @param {number[][]} map */
 export function colourBar([low, high], title, map) {
-  const stops = map.filter((_, i) => i % 15 === 0).map((colour, i, all) => `<stop offset="${i / (all.length - 1)}" stop-color="${css(colour)}"/>`);
-  const ticks = [0, 0.25, 0.5, 0.75, 1].map((part) => {
-    const anchor = part === 0 ? "start" : part === 1 ? "end" : "middle";
-    return `<text x="${600 * part}" y="46" text-anchor="${anchor}">${short(low + part * (high - low))}</text>`;
-  });
-  return `<svg viewBox="0 0 600 50"><defs><linearGradient id="map">${stops.join("")}</linearGradient></defs>
-    <text x="0" y="12">${title}</text><rect y="18" width="600" height="14" rx="2" fill="url(#map)"/>${ticks.join("")}</svg>`;
+  const stops = map.filter((_, i) => i % 15 === 0).map((colour) => `rgb(${colour.join(" ")})`);
+  const ticks = [0, 0.25, 0.5, 0.75, 1].map((part) => `<span>${short(low + part * (high - low))}</span>`);
+  return `<p class="small">${title}</p><div class="colours" style="background:linear-gradient(to right,${stops.join(",")})"></div>
+    <div class="ticks small">${ticks.join("")}</div>`;
 }
 
 /** How many values lie where in a range. @param {Float64Array} values @param {number[]} range @param {string} unit */

@@ -16,9 +16,6 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Energies of the theory over 8πκ along the branches: `[reduced volume, energy]`, by `tests/theory.rs`.
-pub(crate) const BRANCHES: &str = include_str!("branches.json");
-
 /// The method by which vesicles bend: the energy of a mesh of a thousand vertices is right to a hundredth.
 const METHOD: BendingMethod = BendingMethod::Loop;
 

@@ -1,7 +1,7 @@
 //! Requests, and the mesh that they are about.
 
 use crate::example::{EXAMPLES, example};
-use crate::relax::{BRANCHES, REDUCED_VOLUMES, Relaxing, Start};
+use crate::relax::{REDUCED_VOLUMES, Relaxing, Start};
 use crate::results::{Results, at_vertex, colours, of_measurement};
 use crate::{Answer, Array, Refusal};
 use helfrich::{AdaptiveJet, Surface, TriangleMesh, VertexKind};
@@ -513,7 +513,6 @@ fn about() -> Value {
         "readable": Format::readable(),
         "written": Vec::from_iter(Format::written_endings()),
         "colours": colours(),
-        "branches": serde_json::from_str::<Value>(BRANCHES).unwrap_or_default(),
         "reduced_volumes": REDUCED_VOLUMES,
     })
 }

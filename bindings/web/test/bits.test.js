@@ -10,8 +10,13 @@ import { open } from "../page/instance.js";
 
 const PROGRAM = process.env.HELFRICH ?? "helfrich";
 const VERTICES = 642;
-// Angles and powers come from functions whose last bit the standard library does not fix: see docs/WEB.md.
-const BY_FUNCTIONS = /^(shape_index|shape_index_error|curvedness|curvedness_error)$/;
+// Functions such as exp and hypot differ in their last bits between standard libraries: see docs/WEB.md. Without noise
+// only these columns and methods need one; with noise, or triangles that are too bad for a fit, all depend on some.
+const BY_FUNCTIONS = /^(curvedness|shape_index)/;
+const METHODS_BY_FUNCTIONS = ["belkin", "loop", "j8"];
+const BY_ARITHMETIC = ["discocyte", "torus", "ellipsoid"];
+/** The largest difference elsewhere, relative to the largest value of the column. */
+const LAST_BITS = 1e-9;
 
 /** @type {Awaited<ReturnType<typeof open>>} */ let ask;
 /** @type {any} */ let about;
@@ -24,20 +29,20 @@ before(async () => {
 });
 after(() => rm(folder, { recursive: true }));
 
-/** Columns in which two tables differ, with the largest relative difference. */
+/** Columns in which two tables differ, with the largest difference relative to the largest value. */
 function differences(one, two) {
   const [a, b] = [one, two].map((text) => text.trimEnd().split("\n").map((line) => line.split(",")));
   assert.deepEqual(a[0], b[0]);
   assert.equal(a.length, b.length);
   /** @type {Record<string, number>} */ const found = {};
-  for (let row = 1; row < a.length; row++) {
-    a[row].forEach((text, column) => {
-      if (text === b[row][column]) return;
-      const [x, y] = [Number(text), Number(b[row][column])];
-      const apart = Math.abs(x - y) / Math.max(Math.abs(x), Math.abs(y));
-      found[a[0][column]] = Math.max(found[a[0][column]] ?? 0, Number.isNaN(apart) ? Infinity : apart);
-    });
-  }
+  a[0].forEach((name, column) => {
+    const pairs = a.slice(1).map((row, at) => [row[column], b[at + 1][column]]);
+    const differing = pairs.filter(([x, y]) => x !== y);
+    if (!differing.length) return;
+    const largest = Math.max(...pairs.map(([x]) => Math.abs(Number(x))).filter(Number.isFinite));
+    const apart = differing.map(([x, y]) => Math.abs(Number(x) - Number(y)) / largest);
+    found[name] = apart.some(Number.isNaN) ? Infinity : Math.max(...apart);
+  });
   return found;
 }
 
@@ -52,10 +57,10 @@ test("every method on every example has the numbers of the program", async () =>
       const own = new TextDecoder().decode(ask({ do: "save", name: "mesh.csv", slot: 0, quantity: "H" }).arrays.file);
       const program = execFileSync(PROGRAM, ["curvature", name, "--method", method, "--errors"], { encoding: "utf8", stdio: ["ignore", "pipe", "ignore"], maxBuffer: 2 ** 28 });
       const all = Object.entries(differences(own, program));
-      if (process.env.SHOW) console.log(example, method, all);
+      const isExact = BY_ARITHMETIC.includes(example) && !METHODS_BY_FUNCTIONS.includes(method);
       for (const [column, apart] of all) {
-        assert.match(column, BY_FUNCTIONS, `${example}, ${method}: ${column} differs by ${apart}`);
-        assert.ok(apart < 1e-13, `${example}, ${method}: ${column} differs by ${apart}`);
+        const limit = isExact && !BY_FUNCTIONS.test(column) ? 0 : LAST_BITS;
+        assert.ok(apart <= limit, `${example}, ${method}: ${column} differs by ${apart}, and ${limit} is allowed`);
       }
     }
   }

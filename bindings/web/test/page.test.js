@@ -42,7 +42,7 @@ after(async () => {
 
 const text = (/** @type {string} */ id) => page.locator(`#${id}`).textContent();
 /** Waits until the page has done what was asked. */
-const idle = () => page.waitForFunction(() => document.querySelector("#bar svg, #error:not([hidden])") && !document.body.hasAttribute("aria-busy"));
+const idle = () => page.waitForFunction(() => document.querySelector("#bar .colours, #error:not([hidden])") && !document.body.hasAttribute("aria-busy"));
 /** Chooses, and waits. @param {string} id @param {string} value */
 async function choose(id, value) {
   await page.selectOption(`#${id}`, value);

@@ -27,7 +27,7 @@ fn energies_of_branches_are_those_of_the_theory() {
         serde_json::json!({ "name": name, "points": Vec::from_iter(points) })
     });
     let made = serde_json::json!(all).to_string() + "\n";
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/branches.json");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("page/branches.json");
     if std::env::var_os("UPDATE_BRANCHES").is_some() {
         std::fs::write(&path, &made).expect("a writable file");
     }

@@ -21,7 +21,7 @@ pub mod verdict;
 // Modules of other packages, which the modules here name by `crate::`.
 use helfrich_draw::picture;
 use helfrich_evaluate::{method, scalar};
-use helfrich_execute::execute;
+use helfrich_execute::{clock, execute};
 use helfrich_mesh::{generate, info, io};
 use helfrich_run::{findings, lock, plots, png, run, sweep};
 use helfrich_scene::{series, six};

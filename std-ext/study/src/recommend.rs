@@ -17,6 +17,7 @@
 mod uncertainty;
 
 use crate::answer::Norm;
+use crate::clock;
 use crate::execute::Parallel;
 use crate::generate::random::Random;
 use crate::method::{
@@ -26,7 +27,6 @@ use crate::noise::{Quieted, noise_of};
 use crate::scalar::{HeldPositions, Scalar};
 use crate::study::{Quantity, Reference, StudyProgress, Timing, is_scattered};
 use helfrich::{Finding, Noise, Surface, SurfaceError, TriangleMesh};
-use helfrich_execute::clock;
 use serde::{Serialize, Serializer};
 use uncertainty::Uncertain;
 

@@ -1,12 +1,12 @@
 //! Adaptive jets as the reference of all methods on a surface with noise, and the errors that methods have by their
 //! distances from it.
 
+use crate::clock;
 use crate::execute::available_threads;
 use crate::measurement::Measurement;
 use crate::method::{Evaluated, Fields};
 use crate::study::{Quantity, Reference, Timing};
 use helfrich::{AdaptiveJet, Measured, Real, Surface};
-use helfrich_execute::clock;
 
 /// The mean of the absolute value of a normal error, in standard deviations: √(2/π).
 const MEAN: f64 = 0.8;

@@ -1,6 +1,6 @@
 //! Time of an evaluation: the median of several runs, and their scatter.
 
-use helfrich_execute::clock;
+use crate::clock;
 use std::time::Duration;
 
 /// The scatter above which a median is unreliable: the distance of the quartiles relative to the

@@ -20,6 +20,7 @@ mod shipped;
 
 use helfrich::Surface;
 // Private modules that are compiled here refer to these as items of their own crate.
+use helfrich_std::clock;
 use helfrich_std::generate::{self, generate};
 use helfrich_std::info::MeshInfo;
 use helfrich_std::method;
