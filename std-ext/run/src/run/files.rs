@@ -103,6 +103,9 @@ pub(super) struct Shown<'a> {
     is_population: bool,
 }
 
+/// Writes a file whose content is ready.
+type Write<'a> = dyn Fn() -> Result<(), RunError> + 'a;
+
 /// Fields by their names.
 type Fields = Vec<(String, Values)>;
 
@@ -141,6 +144,7 @@ impl<'a> Shown<'a> {
         positions: &[[f64; 3]],
         mark: Mark,
         fields: &dyn Fn(&Body) -> Fields,
+        around: &dyn Fn(&Write<'_>) -> Result<(), RunError>,
     ) -> Result<(), RunError> {
         let mut points = Fields::new();
         let mut cells = Fields::new();
@@ -173,15 +177,12 @@ impl<'a> Shown<'a> {
         };
         let [points, cells] =
             [&points, &cells].map(|fields| Vec::from_iter(fields.iter().map(point_field)));
-        write_vtp_with_cells(
-            path,
-            mesh,
-            &positions[vertices],
-            Some(mark.time),
-            &points,
-            &cells,
-        )
-        .map_err(|error: VtkError| RunError::Output(Box::new(error)))
+        let own = &positions[vertices];
+        // The content is ready: somebody may remove the folder meanwhile.
+        around(&|| {
+            write_vtp_with_cells(path, mesh, own, Some(mark.time), &points, &cells)
+                .map_err(|error: VtkError| RunError::Output(Box::new(error)))
+        })
     }
 }
 
@@ -233,8 +234,9 @@ impl Run<'_> {
         for (part, shown) in shown.into_iter().enumerate() {
             let fields = |body: &Body| measure::fields(body, positions, acting);
             let name = format!("surfaces/{}-{:08}.vtp", shown.name, mark.number);
-            into_folder(&folder, || {
-                shown.write(&self.folder.join(&name), positions, mark, &fields)
+            let path = self.folder.join(&name);
+            shown.write(&path, positions, mark, &fields, &|write| {
+                into_folder(&folder, write)
             })?;
             self.outputs.files.entries.push(CollectionEntry {
                 time: mark.time,
@@ -254,7 +256,7 @@ impl Run<'_> {
         let count = shown.len();
         for shown in shown {
             let path = self.folder.join(shown.last_name(count));
-            shown.write(&path, positions, mark, &|_| Vec::new())?;
+            shown.write(&path, positions, mark, &|_| Vec::new(), &|write| write())?;
         }
         Ok(())
     }
