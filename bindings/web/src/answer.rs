@@ -1,4 +1,4 @@
-//! What JavaScript gets: a text in JSON, and arrays of numbers that are copied as they are.
+//! Answers for JavaScript: a text in JSON, and arrays of numbers that are copied as they are.
 
 use serde_json::{Value, json};
 use std::fmt::Display;

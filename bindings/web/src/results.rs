@@ -102,7 +102,7 @@ impl Results {
         Ok(answer(quantity, painted, rows.collect()))
     }
 
-    /// What the page says about the method: its quantities, remarks, and the vertices of findings.
+    /// Quantities, remarks and the vertices of findings, for the page.
     pub(crate) fn describe(&self, surface: Surface<'_, f64>) -> Answer {
         let quality = Quality::gather(surface.mesh(), |report| {
             self.findings.iter().copied().for_each(report);

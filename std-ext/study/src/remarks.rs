@@ -1,4 +1,4 @@
-//! What has to be said about a surface and the curvatures of a method there.
+//! Remarks about a surface and the curvatures of a method there.
 
 use crate::measurement::Measurement;
 use crate::method::{AnyMethod, BendingMethod, Evaluated, Fields};
@@ -12,7 +12,7 @@ use std::fmt;
 pub struct Remark {
     /// Whether results suffer.
     pub is_warning: bool,
-    /// What is to be said.
+    /// The words.
     pub text: String,
 }
 
@@ -135,7 +135,7 @@ fn has_undetermined_force(method: AnyMethod) -> bool {
     method.has_force() && listed.contains(&method) && !determined.contains(&method)
 }
 
-/// What is to be known of the results of a method: that its f does not converge.
+/// A remark about the results of a method whose f does not converge.
 pub fn of_method<T: Evaluated>(method: AnyMethod, fields: &Fields<T>) -> Option<Remark> {
     if !has_undetermined_force(method) || fields.force_density.iter().all(Option::is_none) {
         return None;

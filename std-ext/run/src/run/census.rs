@@ -12,7 +12,7 @@ pub(super) struct Census {
     parts: Vec<Part>,
 }
 
-/// What follows from the numbers of a row, in the order of the columns.
+/// Source of one or two columns in the numbers of a row, in the order of the columns.
 #[derive(Debug)]
 enum Part {
     /// A number as it is.

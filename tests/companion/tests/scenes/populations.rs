@@ -193,7 +193,7 @@ fn populations_without_room_are_refused() {
     );
 }
 
-/// What is wrong with one kind of surface is said once, at its table.
+/// Problems with one kind of surface are said once, at its table.
 #[test]
 fn problems_are_said_once() {
     let text =
