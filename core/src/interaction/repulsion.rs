@@ -69,9 +69,8 @@ pub struct RepulsionMemory<T> {
     near: Vec<Bounds<T>>,
     vertex_places: Sorted<T>,
     face_places: Sorted<T>,
-    /// The triangles near the cells of vertices, and the vertices near those of triangles.
+    /// The triangles near the cells of vertices.
     near_vertices: Vec<Near>,
-    near_faces: Vec<Near>,
     /// In the order of their places.
     vertices: Vec<NearVertex<T>>,
     faces: Vec<NearFace<T>>,
@@ -81,13 +80,27 @@ pub struct RepulsionMemory<T> {
     /// Twice the area vectors of one surface's vertices; unit normals N/|N| of all and 1/|2N|, where parts act.
     doubled: Vec<[T; 4]>,
     normals: Vec<[T; 4]>,
-    /// Potential at each near vertex, its part of minus the gradient, and its turn.
+    groups: Vec<Group<T>>,
+    /// As [`Group::sums`], of all near vertices.
     sums: Vec<[T; 7]>,
-    /// Forces of near vertices on the corners of each near triangle.
-    reactions: Vec<[Vec3<T>; 3]>,
     /// −∂E/∂(2N) and −∂E/∂A of one surface's vertices.
     weights: Vec<[T; 4]>,
 }
+
+/// Some near vertices, one after the other.
+#[derive(Clone, Debug, Default)]
+struct Group<T> {
+    /// Potential at each of them, its part of minus the gradient, and its turn.
+    sums: [[T; 7]; GROUP],
+    /// The triangles near them, and the forces on the corners of these.
+    reactions: Vec<(u32, [Vec3<T>; 3])>,
+}
+
+/// Number of vertices in a group.
+const GROUP: usize = 8;
+
+/// Number of groups between two additions of their forces: the memory for these is that of so many.
+const GROUPS: usize = 2048;
 
 impl<T> RepulsionMemory<T> {
     /// Number of vertices that the last evaluation found near the box of another surface or an
@@ -106,8 +119,7 @@ struct Pairs<'a, T> {
 }
 
 impl<T: Real> Pairs<'_, T> {
-    /// Calls `act` with the interaction of a vertex with a triangle and its images. The result is
-    /// the same to the last bit when computed for the triangle.
+    /// Calls `act` with the interaction of a vertex with a triangle and its images.
     #[inline(always)]
     fn each_felt(&self, vertex: &NearVertex<T>, face: &NearFace<T>, mut act: impl FnMut(Felt<T>)) {
         let itself = vertex.surface == face.surface;
@@ -155,45 +167,76 @@ impl<T: Real> Repulsion<T> {
         self.range.reciprocal_or_zero().max(T::zero())
     }
 
-    /// Finds near pairs, sets `sums` and returns the energy. Each vertex visits its triangles in
-    /// their order, so that sums do not depend on the division among threads.
+    /// Finds near pairs, sets `sums`, adds the forces on triangles and returns the energy; nothing where none are near.
+    ///
+    /// Each pair is evaluated once. Vertices collect the forces on their triangles, which are then added in the order of
+    /// vertices, so that sums do not depend on the division among threads.
     fn measure(
         &self,
         execution: &impl Execution,
         surfaces: &[Surface<'_, T>],
         memory: &mut RepulsionMemory<T>,
-    ) -> (T, Option<Pairs<'_, T>>) {
-        let Some(pairs) = self.find(execution, surfaces, memory) else {
-            return (T::zero(), None);
-        };
+        mut forces: Option<&mut [&mut [[T; 3]]]>,
+    ) -> Option<T> {
+        let pairs = self.find(execution, surfaces, memory)?;
         let RepulsionMemory {
             vertex_places,
             face_places,
             near_vertices,
             vertices,
             faces,
+            groups,
             sums,
             ..
         } = memory;
         let (vertices, faces) = (vertices.as_slice(), faces.as_slice());
+        let (has_forces, push) = (forces.is_some(), self.half_push());
         sums.clear();
-        sums.resize(vertices.len(), [T::zero(); 7]);
-        execution.map(&mut sums[..], |k, sum| {
-            let vertex = &vertices[k];
-            let place = &vertex_places.places[k];
-            pairs
-                .cells
-                .each_near(face_places, near_vertices, place, |face| {
-                    pairs.each_felt(vertex, &faces[face], |felt| {
-                        let [x, y, z] = felt.force;
-                        let [u, v, w] = felt.turn;
-                        let terms = [felt.potential, x, y, z, u, v, w];
-                        for (sum, term) in sum.iter_mut().zip(terms) {
-                            *sum += term;
-                        }
-                    });
-                });
-        });
+        for block in (0..vertices.len()).step_by(GROUP * GROUPS) {
+            let count = (vertices.len() - block).div_ceil(GROUP).min(GROUPS);
+            groups.resize_with(count.max(groups.len()), Group::default);
+            execution.map(&mut groups[..count], |number, group| {
+                let Group { sums, reactions } = group;
+                reactions.clear();
+                *sums = [[T::zero(); 7]; GROUP];
+                let first = block + number * GROUP;
+                for (k, sum) in (first..vertices.len()).zip(sums) {
+                    let (vertex, place) = (&vertices[k], &vertex_places.places[k]);
+                    let area = push * vertex.area;
+                    let meet = |face: usize| {
+                        pairs.each_felt(vertex, &faces[face], |felt| {
+                            let [x, y, z] = felt.force;
+                            let [u, v, w] = felt.turn;
+                            let terms = [felt.potential, x, y, z, u, v, w];
+                            for (sum, term) in sum.iter_mut().zip(terms) {
+                                *sum += term;
+                            }
+                            if has_forces {
+                                let corners = felt.corners.map(|force| scale(area, force));
+                                reactions.push((face as u32, corners));
+                            }
+                        });
+                    };
+                    pairs
+                        .cells
+                        .each_near(face_places, near_vertices, place, meet);
+                }
+            });
+            let left = vertices.len() - block;
+            let of_group = groups[..count].iter().flat_map(|group| group.sums);
+            sums.extend(of_group.take(left));
+            if let Some(forces) = &mut forces {
+                let reactions = groups[..count].iter().flat_map(|group| &group.reactions);
+                for (face, reaction) in reactions {
+                    let face = &faces[*face as usize];
+                    let force = &mut *forces[face.surface as usize];
+                    for (&corner, &reaction) in face.corners.iter().zip(reaction) {
+                        let force = &mut force[corner as usize];
+                        *force = add(*force, reaction);
+                    }
+                }
+            }
+        }
         let energy = execution.sum(vertices.len(), |k| vertices[k].area * sums[k][0]);
         // Of surfaces that touch, infinite terms may have met with both signs.
         let energy = if energy.is_nan() {
@@ -201,8 +244,7 @@ impl<T: Real> Repulsion<T> {
         } else {
             energy
         };
-        let energy = self.half_potential() * energy;
-        (energy, Some(pairs))
+        Some(self.half_potential() * energy)
     }
 
     /// Half of the unit of potentials, `k r_c²/4`.
@@ -213,36 +255,6 @@ impl<T: Real> Repulsion<T> {
     /// Half of the unit of forces per area, `k r_c/2`.
     fn half_push(&self) -> T {
         T::constant(0.25) * self.modulus * self.range
-    }
-
-    /// Sets `reactions`; each triangle visits its vertices.
-    fn react(execution: &impl Execution, pairs: &Pairs<'_, T>, memory: &mut RepulsionMemory<T>) {
-        let RepulsionMemory {
-            vertex_places,
-            face_places,
-            near_faces,
-            vertices,
-            faces,
-            reactions,
-            ..
-        } = memory;
-        let (vertices, faces) = (vertices.as_slice(), faces.as_slice());
-        reactions.clear();
-        reactions.resize(faces.len(), [[T::zero(); 3]; 3]);
-        execution.map(&mut reactions[..], |k, reaction| {
-            let face = &faces[k];
-            let place = &face_places.places[k];
-            pairs
-                .cells
-                .each_near(vertex_places, near_faces, place, |vertex| {
-                    let vertex = &vertices[vertex];
-                    pairs.each_felt(vertex, face, |felt| {
-                        for (sum, force) in reaction.iter_mut().zip(felt.corners) {
-                            *sum = add(*sum, scale(vertex.area, force));
-                        }
-                    });
-                });
-        });
     }
 }
 
@@ -255,7 +267,8 @@ impl<T: Real> Interaction<T> for Repulsion<T> {
         surfaces: &[Surface<'_, T>],
         memory: &mut RepulsionMemory<T>,
     ) -> T {
-        self.measure(execution, surfaces, memory).0
+        let energy = self.measure(execution, surfaces, memory, None);
+        energy.unwrap_or_else(T::zero)
     }
 
     fn add_force_and_energy(
@@ -271,16 +284,12 @@ impl<T: Real> Interaction<T> for Repulsion<T> {
             forces.len(),
             surfaces.len()
         );
-        let (energy, pairs) = self.measure(execution, surfaces, memory);
-        let Some(pairs) = pairs else {
-            return energy;
+        let Some(energy) = self.measure(execution, surfaces, memory, Some(&mut *forces)) else {
+            return T::zero();
         };
-        Self::react(execution, &pairs, memory);
         let RepulsionMemory {
             vertices,
-            faces,
             sums,
-            reactions,
             weights,
             begins,
             normals,
@@ -288,15 +297,6 @@ impl<T: Real> Interaction<T> for Repulsion<T> {
         } = memory;
         let zero = T::zero();
         let push = self.half_push();
-        for (face, reaction) in faces.iter().zip(&*reactions) {
-            if *reaction != [[zero; 3]; 3] {
-                let force = &mut *forces[face.surface as usize];
-                for (&corner, &reaction) in face.corners.iter().zip(reaction) {
-                    let force = &mut force[corner as usize];
-                    *force = add(*force, scale(push, reaction));
-                }
-            }
-        }
         let half_potential = self.half_potential();
         for (k, (surface, force)) in surfaces.iter().zip(forces).enumerate() {
             let felt = || {

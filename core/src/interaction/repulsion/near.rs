@@ -156,7 +156,6 @@ impl<T: Real> Repulsion<T> {
             vertex_places,
             face_places,
             near_vertices,
-            near_faces,
             areas,
             begins,
             doubled,
@@ -228,10 +227,6 @@ impl<T: Real> Repulsion<T> {
         near_vertices.resize(vertex_places.cells.len(), Near::default());
         execution.map(&mut near_vertices[..], |k, near| {
             *near = cells.near(face_places, vertex_places.cells[k]);
-        });
-        near_faces.resize(face_places.cells.len(), Near::default());
-        execution.map(&mut near_faces[..], |k, near| {
-            *near = cells.near(vertex_places, face_places.cells[k]);
         });
         vertices.resize(vertex_places.places.len(), NearVertex::default());
         execution.map(&mut vertices[..], |k, vertex| {
