@@ -5,10 +5,13 @@
 //! the bits of [`Serial`] for any processor and number of threads.
 
 mod interruption;
+mod shares;
 
 pub use interruption::{
     Interruption, SLICE, interruptible, look_for_interruption, unless_interrupted,
 };
+
+pub use shares::Shares;
 
 use helfrich::element::{BATCH, ElementKernel, SlotKernel, Slots, check_output, scatter_onto};
 use helfrich::{Execution, Real, Serial, Surface};
@@ -47,7 +50,7 @@ pub fn available_threads() -> NonZeroUsize {
     ALLOWED.get().unwrap_or_else(all)
 }
 
-/// Runs `work` so that every [`Parallel::new`] and every run of a scene in it uses this number of threads.
+/// Runs `work` so that every [`Parallel`] and every run of a scene in it uses at most this number of threads.
 ///
 /// The number applies to `work` on the calling thread only, so that several threads can share a machine.
 /// No result depends on it.
@@ -69,6 +72,13 @@ impl Parallel {
         Self {
             threads: available_threads(),
         }
+    }
+
+    /// Its number of threads, or what [`with_threads`] allows here.
+    fn allowed(self) -> NonZeroUsize {
+        ALLOWED
+            .get()
+            .map_or(self.threads, |most| most.min(self.threads))
     }
 
     /// Execution on one thread.
@@ -300,7 +310,7 @@ impl Execution for Parallel {
             });
         };
         let vertices = surface.positions().len();
-        let threads = self.threads.get().min(elements.len() / FEWEST_ELEMENTS);
+        let threads = self.allowed().get().min(elements.len() / FEWEST_ELEMENTS);
         if !HAS_THREADS || threads <= 1 {
             return onto((0, output));
         }
@@ -352,14 +362,15 @@ impl Parallel {
         run: &(impl Fn((&mut S, usize, O)) + Sync),
     ) {
         let count = output.count();
-        if !HAS_THREADS || self.threads.get() == 1 || count <= FIRST_SLOTS {
+        let threads = self.allowed();
+        if !HAS_THREADS || threads.get() == 1 || count <= FIRST_SLOTS {
             return run((&mut scratches[0], 0, output));
         }
         let (first, rest) = output.split_at(FIRST_SLOTS);
         let start = Instant::now();
         run((&mut scratches[0], 0, first));
         let left = count - FIRST_SLOTS;
-        let threads = worthwhile(self.threads, start.elapsed(), left);
+        let threads = worthwhile(threads, start.elapsed(), left);
         if threads <= 1 {
             return run((&mut scratches[0], FIRST_SLOTS, rest));
         }

@@ -29,6 +29,39 @@ pub(crate) fn winds_around<'a>(
     triangles.map(angle).sum::<f64>().abs() > 2.0 * PI
 }
 
+/// How often a closed surface winds around a point: the triangles above it that face up, less those that face down. None
+/// where, to rounding, the line upwards meets an edge, or the point a triangle.
+fn windings(surface: Surface<'_, f64>, at: DVec3) -> Option<i32> {
+    // The sign of a sum, if it is certain, with the sum of the absolute values of its terms.
+    let sign = |sum: f64, size: f64| match sum.abs() > 16.0 * f64::EPSILON * size {
+        true => sum.signum() as i32,
+        false => 0,
+    };
+    let mut windings = 0;
+    for triangle in surface.mesh().triangles() {
+        let [a, b, c] = triangle.map(|k| DVec3::from(surface.positions()[k as usize]) - at);
+        let turns = [(a, b), (b, c), (c, a)].map(|(from, to)| {
+            let [left, right] = [from.x * to.y, from.y * to.x];
+            sign(left - right, left.abs() + right.abs())
+        });
+        if turns.contains(&1) && turns.contains(&-1) {
+            continue;
+        }
+        let [p, q] = [b.abs(), c.abs()];
+        let size = DVec3::new(
+            p.y * q.z + p.z * q.y,
+            p.z * q.x + p.x * q.z,
+            p.x * q.y + p.y * q.x,
+        );
+        let height = sign(a.dot(b.cross(c)), a.abs().dot(size));
+        if height == 0 || turns.contains(&0) {
+            return None;
+        }
+        windings += if height == turns[0] { height } else { 0 };
+    }
+    Some(windings)
+}
+
 /// Vertices of a surface that are inside another one, or inside an image of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inside {
@@ -69,15 +102,23 @@ impl<'a> Bounded<'a> {
         self.surface
     }
 
-    /// As [`encloses`], faster where a plane separates the point from the surface.
+    /// As [`encloses`], without solid angles where something simpler decides.
     fn encloses(&self, point: DVec3) -> bool {
         if !(point.cmpge(self.low).all() && point.cmple(self.high).all()) {
             return false;
         }
+        if !self.surface.mesh().is_closed() {
+            return false;
+        }
+        // Whether a plane separates them.
         let outwards = point - (self.low + self.high) / 2.0;
         let positions = self.surface.positions().iter();
         let mut beyond = positions.map(|&vertex| (DVec3::from(vertex) - point).dot(outwards));
-        beyond.any(|distance| distance >= 0.0) && encloses(self.surface, point.into())
+        if beyond.all(|distance| distance < 0.0) {
+            return false;
+        }
+        let windings = windings(self.surface, point);
+        windings.map_or_else(|| encloses(self.surface, point.into()), |count| count != 0)
     }
 }
 
@@ -95,6 +136,16 @@ pub fn inside_of_images(
     outer: &Bounded<'_>,
     images: &Images<f64>,
 ) -> Vec<Inside> {
+    inside_of(inner, outer, images, false)
+}
+
+/// As [`inside_of_images`]; without the surface itself, if it is both.
+fn inside_of(
+    inner: &Bounded<'_>,
+    outer: &Bounded<'_>,
+    images: &Images<f64>,
+    is_itself: bool,
+) -> Vec<Inside> {
     let along = |axis: usize| {
         let low = outer.low[axis] - inner.high[axis];
         let high = outer.high[axis] - inner.low[axis];
@@ -105,7 +156,9 @@ pub fn inside_of_images(
     };
     let plane = along(0).flat_map(|x| along(1).map(move |y| [x, y]));
     let shifts = plane.flat_map(|[x, y]| along(2).map(move |z| [x, y, z]));
+    let is_other = |shift: &[f64; 3]| !(is_itself && *shift == [0.0; 3]);
     shifts
+        .filter(is_other)
         .filter_map(|shift| shifted_inside(inner.surface, outer, shift))
         .collect()
 }
@@ -113,12 +166,7 @@ pub fn inside_of_images(
 /// Vertices of a surface inside its own images in a periodic box, with an entry for each image that
 /// contains some.
 pub fn inside_of_own_images(surface: &Bounded<'_>, images: &Images<f64>) -> Vec<Inside> {
-    let mut found = Vec::new();
-    if images.is_periodic() {
-        found = inside_of_images(surface, surface, images);
-        found.retain(Inside::is_by_image);
-    }
-    found
+    inside_of(surface, surface, images, true)
 }
 
 /// Vertices of a surface that are inside another one after a translation by `shift`.

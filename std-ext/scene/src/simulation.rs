@@ -26,7 +26,7 @@ use crate::checked;
 use crate::contact::repel;
 use crate::dynamics::{Evaluation, Held, Membrane, Motion, Problem};
 use crate::effect::{Effect, Viscosity};
-use crate::execute::Parallel;
+use crate::execute::{Parallel, Shares};
 use crate::flow::Membranes;
 use crate::io::Column;
 use crate::ordered::Ordered;
@@ -50,6 +50,9 @@ pub struct Simulation {
     /// Quantities with an exact constraint in some body; each has its own field of constraint gradients.
     held: Vec<AnyFunctional>,
     warnings: Vec<SceneError>,
+    /// The division of bodies among threads, for forces and for viscous forces.
+    acting: Shares,
+    resisting: Shares,
 }
 
 /// One surface.
@@ -69,6 +72,8 @@ pub struct Body {
     /// See [`BodyMesh::ratios`].
     ratios: Vec<[f64; 2]>,
     columns: Vec<Arc<Column>>,
+    /// The energies of its effects in the last evaluation; none if a position was not finite.
+    energies: Option<Vec<f64>>,
 }
 
 /// All that acts on one surface alone.
@@ -240,6 +245,31 @@ impl Body {
 }
 
 impl Body {
+    /// Adds the forces of its effects, and keeps their energies.
+    fn evaluate(&mut self, positions: &[[f64; 3]], force: &mut [[f64; 3]]) {
+        let mut energies = self.energies.take().unwrap_or_default();
+        energies.clear();
+        self.energies = self.add_forces(positions, force, |acts, surface, force| {
+            let effects = acts.effects.iter_mut();
+            energies.extend(effects.map(|effect| effect.add_force(surface, force)));
+            energies
+        });
+    }
+
+    /// Adds the forces that depend on velocities, those of all surfaces.
+    fn resist(&mut self, positions: &[[f64; 3]], velocities: &[[f64; 3]], force: &mut [[f64; 3]]) {
+        let velocities = &velocities[self.vertices.clone()];
+        let velocities = match &self.ordered {
+            None => Cow::Borrowed(velocities),
+            Some(ordered) => Cow::Owned(ordered.order().apply(velocities)),
+        };
+        self.add_forces(positions, force, |acts, surface, force| {
+            if let Some(viscosity) = &mut acts.viscosity {
+                viscosity.add_force(surface, &velocities, force);
+            }
+        });
+    }
+
     /// Calls `add` with all that acts, the surface and a slice for forces, in one order, and adds these
     /// forces to `force`, the slice of this body; returns what `add` does. None if a position is not
     /// finite.
@@ -445,20 +475,18 @@ impl Problem for Simulation {
 
     fn evaluate(&mut self, positions: &[[f64; 3]], force: &mut [[f64; 3]]) -> Evaluation {
         checked::clear(force);
+        each_body(&mut self.acting, &mut self.bodies, force, |body, force| {
+            body.evaluate(positions, force);
+        });
         let mut evaluation = Evaluation::default();
         let mut add = |energy: f64| {
             evaluation.energy += energy;
             evaluation.energy_scale += energy.abs();
         };
-        for body in &mut self.bodies {
-            let force = &mut force[body.vertices.clone()];
-            let acted = body.add_forces(positions, force, |acts, surface, force| {
-                for effect in &mut acts.effects {
-                    add(effect.add_force(surface, force));
-                }
-            });
-            if acted.is_none() {
-                return Evaluation::new(f64::NAN);
+        for body in &self.bodies {
+            match &body.energies {
+                Some(energies) => energies.iter().copied().for_each(&mut add),
+                None => return Evaluation::new(f64::NAN),
             }
         }
         for between in &mut self.between {
@@ -534,20 +562,29 @@ impl Membranes for Simulation {
         velocities: &[[f64; 3]],
         forces: &mut [[f64; 3]],
     ) {
-        for body in &mut self.bodies {
-            let vertices = body.vertices.clone();
-            let velocities = &velocities[vertices.clone()];
-            let velocities = match &body.ordered {
-                None => Cow::Borrowed(velocities),
-                Some(ordered) => Cow::Owned(ordered.order().apply(velocities)),
-            };
-            body.add_forces(positions, &mut forces[vertices], |acts, surface, forces| {
-                if let Some(viscosity) = &mut acts.viscosity {
-                    viscosity.add_force(surface, &velocities, forces);
-                }
-            });
-        }
+        let resisting = &mut self.resisting;
+        each_body(resisting, &mut self.bodies, forces, |body, forces| {
+            body.resist(positions, velocities, forces);
+        });
     }
+}
+
+/// Does `work` for each body and its part of the vectors of all vertices.
+fn each_body(
+    shares: &mut Shares,
+    bodies: &mut [Body],
+    vectors: &mut [[f64; 3]],
+    work: impl Fn(&mut Body, &mut [[f64; 3]]) + Sync,
+) {
+    let mut rest = vectors;
+    let mut parts = Vec::with_capacity(bodies.len());
+    for body in bodies {
+        let vertices = body.vertices.len();
+        let (own, after) = rest.split_at_mut(vertices);
+        parts.push((vertices, (body, own)));
+        rest = after;
+    }
+    shares.each(parts, |(body, own)| work(body, own));
 }
 
 impl Repulsions {

@@ -4,6 +4,7 @@ use crate::deformation::{
     Deformation, ShearPlane, TankTreading, extremes, roughness, taylor, wrinkle_indicator,
 };
 use crate::enclosure::Inside;
+use crate::execute::Shares;
 use crate::simulation::{Body, Crossing, NARROW, Simulation};
 use helfrich::Surface;
 use serde::{Deserialize, Serialize};
@@ -18,6 +19,9 @@ pub(super) struct Deformed {
     roughness: Vec<f64>,
     /// Smallest angle of each surface at the start, in degrees.
     angles: Vec<f64>,
+    /// The division of surfaces among threads.
+    #[serde(skip)]
+    following: Shares,
 }
 
 /// Roughness above which a surface counts as rough at the scale of its mesh, if it also exceeds twice
@@ -49,6 +53,7 @@ impl Deformed {
             turning: turning.collect(),
             roughness: roughnesses.collect(),
             angles: angles.collect(),
+            following: Shares::default(),
         }
     }
 
@@ -117,19 +122,25 @@ impl Deformed {
         positions: &[[f64; 3]],
         material: Option<&[[f64; 3]]>,
     ) {
-        for (turning, body) in self.turning.iter_mut().zip(simulation.bodies()) {
-            if let (Some(turning), Some(surface)) = (turning, body.surface(positions))
-                && let Some(deformation) = Deformation::new(surface)
-            {
-                match material.filter(|_| body.slides()) {
-                    Some(velocities) => {
-                        let velocities = &velocities[body.vertices()];
-                        turning.update_by_velocities(time, surface, &deformation, velocities);
-                    }
-                    None => turning.update(time, surface, &deformation),
+        let parts = self.turning.iter_mut().zip(simulation.bodies());
+        let parts = parts.filter_map(|(turning, body)| {
+            let (turning, surface) = (turning.as_mut()?, body.surface(positions)?);
+            let material = material.filter(|_| body.slides());
+            let velocities = material.map(|all| &all[body.vertices()]);
+            Some((body.vertices().len(), (turning, surface, velocities)))
+        });
+        let follow = |(turning, surface, velocities): (&mut TankTreading, _, Option<&[_]>)| {
+            let Some(deformation) = Deformation::new(surface) else {
+                return;
+            };
+            match velocities {
+                None => turning.update(time, surface, &deformation),
+                Some(velocities) => {
+                    turning.update_by_velocities(time, surface, &deformation, velocities);
                 }
             }
-        }
+        };
+        self.following.each(parts.collect(), follow);
     }
 
     /// Must be called when surfaces have got new meshes, with their positions.

@@ -7,7 +7,7 @@ use super::{Acts, Body, Obstacle, Repulsions, Simulation};
 use crate::dynamics::{Held, Membrane, Motion};
 use crate::effect::Lumping;
 use crate::enclosure::Bounded;
-use crate::execute::Parallel;
+use crate::execute::{Parallel, Shares};
 use crate::info::MeshInfo;
 use crate::io::Column;
 use crate::ordered::Ordered;
@@ -101,6 +101,8 @@ pub fn build(file: &SceneFile) -> Result<(Simulation, Vec<[f64; 3]>), BuildError
         groups,
         held,
         warnings,
+        acting: Shares::default(),
+        resisting: Shares::default(),
     };
     simulation.set_load(0);
     Ok((simulation, positions))
@@ -391,6 +393,7 @@ impl Preparing<'_> {
             targets,
             ratios: self.ratios.clone(),
             columns: effects.columns().into_iter().cloned().collect(),
+            energies: None,
         })
     }
 }

@@ -3,6 +3,7 @@
 use crate::dynamics::Held;
 use glam::DVec3;
 use helfrich::{AnyFunctional, Constraint, Constraints, Surface, TriangleMesh};
+use helfrich_execute::execute::Shares;
 use helfrich_shape::held::Quantity;
 use std::ops::Range;
 use std::sync::Arc;
@@ -14,7 +15,10 @@ use std::sync::Arc;
 /// `u_i −= n_i (Σ_j ∂V/∂x_j·u_j)/(Σ_j ∂V/∂x_j·n_j)`; after each step positions are corrected for
 /// the rest, which is of the order of the step's error.
 #[derive(Debug, Default)]
-pub struct KeptVolumes(Vec<KeptVolume>);
+pub struct KeptVolumes {
+    volumes: Vec<KeptVolume>,
+    shares: Shares,
+}
 
 /// The volume of one surface's components.
 #[derive(Debug)]
@@ -60,7 +64,29 @@ impl KeptVolumes {
                 vertices,
             });
         }
-        Self(volumes)
+        Self {
+            volumes,
+            shares: Shares::default(),
+        }
+    }
+
+    /// Does `work` for each of these volumes, with its positions and its part of some vectors.
+    fn each(
+        &mut self,
+        vectors: &mut [[f64; 3]],
+        work: impl Fn(&mut KeptVolume, &mut [[f64; 3]]) + Sync,
+    ) {
+        let mut rest = vectors;
+        let mut first = 0;
+        let mut parts = Vec::with_capacity(self.volumes.len());
+        for volume in &mut self.volumes {
+            let Range { start, end } = volume.vertices;
+            let (_, after) = rest.split_at_mut(start - first);
+            let (own, after) = after.split_at_mut(end - start);
+            parts.push((end - start, (volume, own)));
+            (rest, first) = (after, end);
+        }
+        self.shares.each(parts, |(volume, own)| work(volume, own));
     }
 
     /// Removes the part of velocities that changes volumes.
@@ -68,9 +94,9 @@ impl KeptVolumes {
     /// # Panics
     /// If there is not one position and one velocity per vertex.
     pub fn correct(&mut self, positions: &[[f64; 3]], velocities: &mut [[f64; 3]]) {
-        for volume in &mut self.0 {
-            volume.correct(positions, velocities);
-        }
+        self.each(velocities, |volume, velocities| {
+            volume.correct(&positions[volume.vertices.clone()], velocities);
+        });
     }
 
     /// Removes a uniform pressure from the nodal forces on each component: p ∂V/∂x_i with the mean p of the normal forces.
@@ -80,9 +106,9 @@ impl KeptVolumes {
     /// # Panics
     /// If there is not one position and one force per vertex.
     pub fn balance(&mut self, positions: &[[f64; 3]], forces: &mut [[f64; 3]]) {
-        for volume in &mut self.0 {
-            volume.balance(positions, forces);
-        }
+        self.each(forces, |volume, forces| {
+            volume.balance(&positions[volume.vertices.clone()], forces);
+        });
     }
 
     /// Moves positions so that volumes have their initial values. If that fails, positions are
@@ -91,15 +117,14 @@ impl KeptVolumes {
     /// # Panics
     /// If there is not one position per vertex.
     pub fn restore(&mut self, positions: &mut [[f64; 3]]) {
-        for volume in &mut self.0 {
-            let _ = volume.held.restore(&mut positions[volume.vertices.clone()]);
-        }
+        self.each(positions, |volume, positions| {
+            let _ = volume.held.restore(positions);
+        });
     }
 }
 
 impl KeptVolume {
     fn balance(&mut self, positions: &[[f64; 3]], forces: &mut [[f64; 3]]) {
-        let forces = &mut forces[self.vertices.clone()];
         let normal = |gradient: DVec3, force: DVec3| gradient.normalize_or_zero().dot(force);
         let pressures = self.means(positions, forces, normal);
         let groups = self.held.groups().iter().zip(&self.gradient);
@@ -110,7 +135,6 @@ impl KeptVolume {
     }
 
     fn correct(&mut self, positions: &[[f64; 3]], velocities: &mut [[f64; 3]]) {
-        let velocities = &mut velocities[self.vertices.clone()];
         let speeds = self.means(positions, velocities, DVec3::dot);
         let groups = self.held.groups().iter().zip(&self.gradient);
         for ((&group, &gradient), velocity) in groups.zip(velocities) {
@@ -128,7 +152,6 @@ impl KeptVolume {
         vectors: &[[f64; 3]],
         product: impl Fn(DVec3, DVec3) -> f64,
     ) -> Vec<f64> {
-        let positions = &positions[self.vertices.clone()];
         self.held.gradient(0, positions, &mut self.gradient);
         let mut sums = vec![[0.0; 2]; self.components];
         let groups = self.held.groups().iter().zip(&self.gradient);
