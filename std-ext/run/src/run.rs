@@ -10,6 +10,7 @@
 //! * `volumes/NAME-TIME.vti` with `volumes.pvd`: all fluid of a box;
 //! * `plots/COLUMN.png`: columns of the series, drawn when the run ends;
 //! * `modes.csv`: the normal modes of an equilibrium, if the driver asks for them;
+//! * `rheology.csv`, `profiles.csv`: means over the time of the run, if the scene measures a suspension;
 //! * `checkpoint`: the state from which the run continues bit for bit;
 //! * `summary.json`: the end of the run, the last row, the cost of each effect, and the scene as
 //!   run.
@@ -41,6 +42,7 @@ mod quality;
 mod relaxing;
 mod remedy;
 mod remeshing;
+mod rheology;
 mod start;
 mod state;
 mod summary;
@@ -64,6 +66,8 @@ pub use modes::stability;
 pub use quality::Flagged;
 pub use remeshing::Remeshing;
 use remeshing::{Remesher, RemeshingState};
+pub use rheology::Average;
+use rheology::{Profile, Rheometer};
 use serde::{Deserialize, Serialize};
 use start::drive;
 use state::DriveState;
@@ -107,6 +111,7 @@ struct Outputs {
     files: Collection,
     slices: Collection,
     volumes: Collection,
+    profiles: Vec<Profile>,
     /// The number of the last row, as files have it.
     written: Option<u64>,
     /// Number of rows so far.
@@ -162,6 +167,7 @@ pub fn run(
         measures,
         remesher,
         drive,
+        rheometer,
         census,
         plots,
     } = plan(scene, &mut simulation, positions, state)?;
@@ -198,6 +204,7 @@ pub fn run(
         measures,
         remesher,
         drive,
+        rheometer,
         census,
         plots,
         series,
@@ -218,6 +225,7 @@ struct PlannedRun<'a> {
     measures: Measures,
     remesher: Remesher,
     drive: Box<dyn Drive + 'a>,
+    rheometer: Option<Rheometer>,
     census: Census,
     plots: Vec<PlannedPlot<'a>>,
 }
@@ -251,6 +259,7 @@ fn plan<'a>(
         }
         None => None,
     };
+    let rheometer = Rheometer::new(scene, simulation, &positions);
     // Held areas and volumes may be those of smooth surfaces now.
     measures.meshes_changed(scene, simulation);
     let drive = drive(scene, simulation, positions, state)?;
@@ -259,6 +268,7 @@ fn plan<'a>(
     }
     let mut columns = measures.columns(&*drive, simulation);
     columns.extend(Run::probe_columns(scene));
+    columns.extend(rheometer.iter().flat_map(Rheometer::columns));
     let census = Census::new(scene, &columns);
     let mut columns = census.columns().to_vec();
     let mut seen = HashSet::new();
@@ -274,6 +284,7 @@ fn plan<'a>(
         measures,
         remesher,
         drive,
+        rheometer,
         census,
         plots,
     })
@@ -295,6 +306,7 @@ struct Run<'a> {
     measures: Measures,
     remesher: Remesher,
     drive: Box<dyn Drive + 'a>,
+    rheometer: Option<Rheometer>,
     census: Census,
     plots: Vec<PlannedPlot<'a>>,
     series: Series,
@@ -452,12 +464,16 @@ impl Run<'_> {
         self.doubt(flagged.iter().flatten());
         self.outputs.output_costs.quality.add(start);
         row.extend(self.probe());
+        if let Some(rheometer) = &self.rheometer {
+            row.extend(rheometer.numbers(&*self.drive, &mut self.simulation, &acting));
+        }
         let row = self.census.row(&row);
         let start = Instant::now();
         let output = |error: SeriesError| RunError::Output(Box::new(error));
         self.series.append(&row).map_err(output)?;
         self.outputs.output_costs.files.add(start);
         self.last = row;
+        self.note_profile();
         let impossible = quality::impossible(&self.simulation, &acting, &flagged);
         let files_every = self.scene.output.files_every;
         let due = self.outputs.sets.is_multiple_of(files_every);
@@ -576,6 +592,8 @@ impl Run<'_> {
         let (modes, warning) = modes;
         warnings.extend(warning);
         modes::write(&modes, self.folder)?;
+        let (rheology, warning) = self.average()?;
+        warnings.extend(warning);
         let notes = self.drive.notes().iter();
         let notes = notes.chain(self.remesher.notes());
         let notes = notes.chain(self.outputs.doubts.iter().map(|(_, note)| note));
@@ -600,6 +618,7 @@ impl Run<'_> {
             energy_estimates,
             remeshings: self.remesher.events().to_vec(),
             modes,
+            rheology,
             warnings,
             version: env!("CARGO_PKG_VERSION"),
             fingerprint: self.fingerprint.to_hex(),

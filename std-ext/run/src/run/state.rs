@@ -96,5 +96,7 @@ pub(super) struct ImmersingProgress {
     pub(super) steps: u64,
     /// Number of outputs so far, without the first.
     pub(super) outputs: u64,
+    /// The mean shear stress on the walls in the last two steps, for scenes that measure it.
+    pub(super) wall_stresses: [f64; 2],
     pub(super) notes: Vec<String>,
 }

@@ -69,7 +69,8 @@ impl Repulsions {
         let own = |body: &usize| &positions[bodies[*body].vertices()];
         let boxes = Vec::from_iter(self.bodies.iter().map(|body| corners(own(body))));
         let number = self.bodies.len();
-        let pairs = (0..number).flat_map(|first| (first..number).map(move |second| [first, second]));
+        let pairs =
+            (0..number).flat_map(|first| (first..number).map(move |second| [first, second]));
         let pairs = pairs.filter(|[first, second]| first != second || images.own);
         for [first, second] in pairs {
             let [low, high] = boxes[first];

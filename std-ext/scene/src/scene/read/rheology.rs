@@ -38,7 +38,9 @@ impl Builder<'_> {
             (driver, _) => {
                 let why = match driver {
                     Driver::Relax(_) => "has no fluid",
-                    _ => "has unbounded fluid, without a volume over which a stress could be the mean and without walls",
+                    _ => {
+                        "has unbounded fluid, without a volume over which a stress could be the mean and without walls"
+                    }
                 };
                 self.contradiction(
                     reader.origin(),
