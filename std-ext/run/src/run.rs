@@ -50,13 +50,12 @@ mod summary;
 pub(crate) use identity::fingerprint;
 
 use crate::checkpoint::{self, Fingerprint};
-use crate::io::{Collection, replace_file};
+use crate::io::replace_file;
 use crate::lock::Lock;
 use crate::scene::{Driver, Scene};
 use crate::series::{Series, SeriesError, SeriesTable};
 use crate::simulation::{Acting, Body, EffectCost, Simulation, messages_once};
 use census::Census;
-use costs::OutputCosts;
 use drive::{Drive, Mark};
 pub use error::RunError;
 pub use estimate::EnergyEstimate;
@@ -67,10 +66,9 @@ pub use quality::Flagged;
 pub use remeshing::Remeshing;
 use remeshing::{Remesher, RemeshingState};
 pub use rheology::Average;
-use rheology::{Profile, Rheometer};
-use serde::{Deserialize, Serialize};
+use rheology::Rheometer;
 use start::drive;
-use state::DriveState;
+use state::{DriveState, Outputs, Stored};
 use std::collections::HashSet;
 use std::path::Path;
 use std::time::Instant;
@@ -94,35 +92,6 @@ pub struct Progress<'a> {
     pub message: &'a str,
     /// The positions of all surfaces, one after the other.
     pub positions: &'a [[f64; 3]],
-}
-
-/// The content of a checkpoint.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-struct Stored {
-    drive: DriveState,
-    remeshing: RemeshingState,
-    outputs: Outputs,
-}
-
-/// The state of the outputs.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
-struct Outputs {
-    rows: u64,
-    files: Collection,
-    slices: Collection,
-    volumes: Collection,
-    profiles: Vec<Profile>,
-    /// The number of the last row, as files have it.
-    written: Option<u64>,
-    /// Number of rows so far.
-    sets: u64,
-    costs: Vec<(u64, f64)>,
-    output_costs: OutputCosts,
-    /// Number of pictures so far.
-    pictures: u64,
-    seconds: f64,
-    /// Warnings about the surfaces' quality, at most one per surface.
-    doubts: Vec<(String, String)>,
 }
 
 /// Runs a scene that was prepared by [`build`](crate::simulation::build) in a folder, which is
