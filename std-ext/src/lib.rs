@@ -17,6 +17,7 @@
 //! * [`effect`] and [`simulation`]: surfaces and effects of a scene, prepared for evaluation.
 //!   [`dynamics`]: relaxation of membranes under any forces, and integration in time. [`flow`]:
 //!   membranes in viscous fluid. [`smoothing`]: smoother positions. [`deformation`]: deformation and orientation of bodies in flow;
+//!   [`rheology`]: their stress, and where they are between walls;
 //!   [`section`]: sections by planes; [`enclosure`]: points inside surfaces.
 //! * [`run`]: a run of a scene in a folder; [`sweep`]: a scene with every combination of some
 //!   values. [`checkpoint`] and [`series`]: the stored state of a run, and its numbers over time.
@@ -38,7 +39,7 @@ pub use helfrich_mesh::{
 pub use helfrich_run::{checkpoint, lock, plots, run, sweep};
 pub use helfrich_scene::{scene, series, simulation};
 pub use helfrich_shape::{checked, contact, held, noise, remesh};
-pub use helfrich_solve::{deformation, dynamics, flow, smoothing};
+pub use helfrich_solve::{deformation, dynamics, flow, rheology, smoothing};
 pub use helfrich_study::{
     answer, measurement, painting, provenance, recommend, remarks, report, study, verdict,
 };

@@ -23,4 +23,4 @@ use helfrich_execute::execute;
 use helfrich_mesh::{enclosure, generate, info, io, parting};
 use helfrich_scene::{scene, series, simulation, six};
 use helfrich_shape::{held, remesh};
-use helfrich_solve::{deformation, dynamics, flow};
+use helfrich_solve::{deformation, dynamics, flow, rheology};

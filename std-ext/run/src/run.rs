@@ -10,6 +10,7 @@
 //! * `volumes/NAME-TIME.vti` with `volumes.pvd`: all fluid of a box;
 //! * `plots/COLUMN.png`: columns of the series, drawn when the run ends;
 //! * `modes.csv`: the normal modes of an equilibrium, if the driver asks for them;
+//! * `rheology.csv`, `profiles.csv`: means over the time of the run, if the scene measures a suspension;
 //! * `checkpoint`: the state from which the run continues bit for bit;
 //! * `summary.json`: the end of the run, the last row, the cost of each effect, and the scene as
 //!   run.
@@ -41,6 +42,7 @@ mod quality;
 mod relaxing;
 mod remedy;
 mod remeshing;
+mod rheology;
 mod start;
 mod state;
 mod summary;
@@ -48,13 +50,12 @@ mod summary;
 pub(crate) use identity::fingerprint;
 
 use crate::checkpoint::{self, Fingerprint};
-use crate::io::{Collection, replace_file};
+use crate::io::replace_file;
 use crate::lock::Lock;
 use crate::scene::{Driver, Scene};
 use crate::series::{Series, SeriesError, SeriesTable};
 use crate::simulation::{Acting, Body, EffectCost, Simulation, messages_once};
 use census::Census;
-use costs::OutputCosts;
 use drive::{Drive, Mark};
 pub use error::RunError;
 pub use estimate::EnergyEstimate;
@@ -64,9 +65,10 @@ pub use modes::stability;
 pub use quality::Flagged;
 pub use remeshing::Remeshing;
 use remeshing::{Remesher, RemeshingState};
-use serde::{Deserialize, Serialize};
+pub use rheology::Average;
+use rheology::Rheometer;
 use start::drive;
-use state::DriveState;
+use state::{DriveState, Outputs, Stored};
 use std::collections::HashSet;
 use std::path::Path;
 use std::time::Instant;
@@ -90,34 +92,6 @@ pub struct Progress<'a> {
     pub message: &'a str,
     /// The positions of all surfaces, one after the other.
     pub positions: &'a [[f64; 3]],
-}
-
-/// The content of a checkpoint.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-struct Stored {
-    drive: DriveState,
-    remeshing: RemeshingState,
-    outputs: Outputs,
-}
-
-/// The state of the outputs.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
-struct Outputs {
-    rows: u64,
-    files: Collection,
-    slices: Collection,
-    volumes: Collection,
-    /// The number of the last row, as files have it.
-    written: Option<u64>,
-    /// Number of rows so far.
-    sets: u64,
-    costs: Vec<(u64, f64)>,
-    output_costs: OutputCosts,
-    /// Number of pictures so far.
-    pictures: u64,
-    seconds: f64,
-    /// Warnings about the surfaces' quality, at most one per surface.
-    doubts: Vec<(String, String)>,
 }
 
 /// Runs a scene that was prepared by [`build`](crate::simulation::build) in a folder, which is
@@ -162,6 +136,7 @@ pub fn run(
         measures,
         remesher,
         drive,
+        rheometer,
         census,
         plots,
     } = plan(scene, &mut simulation, positions, state)?;
@@ -198,6 +173,7 @@ pub fn run(
         measures,
         remesher,
         drive,
+        rheometer,
         census,
         plots,
         series,
@@ -218,6 +194,7 @@ struct PlannedRun<'a> {
     measures: Measures,
     remesher: Remesher,
     drive: Box<dyn Drive + 'a>,
+    rheometer: Option<Rheometer>,
     census: Census,
     plots: Vec<PlannedPlot<'a>>,
 }
@@ -251,6 +228,7 @@ fn plan<'a>(
         }
         None => None,
     };
+    let rheometer = Rheometer::new(scene, simulation, &positions);
     // Held areas and volumes may be those of smooth surfaces now.
     measures.meshes_changed(scene, simulation);
     let drive = drive(scene, simulation, positions, state)?;
@@ -259,6 +237,7 @@ fn plan<'a>(
     }
     let mut columns = measures.columns(&*drive, simulation);
     columns.extend(Run::probe_columns(scene));
+    columns.extend(rheometer.iter().flat_map(Rheometer::columns));
     let census = Census::new(scene, &columns);
     let mut columns = census.columns().to_vec();
     let mut seen = HashSet::new();
@@ -274,6 +253,7 @@ fn plan<'a>(
         measures,
         remesher,
         drive,
+        rheometer,
         census,
         plots,
     })
@@ -295,6 +275,7 @@ struct Run<'a> {
     measures: Measures,
     remesher: Remesher,
     drive: Box<dyn Drive + 'a>,
+    rheometer: Option<Rheometer>,
     census: Census,
     plots: Vec<PlannedPlot<'a>>,
     series: Series,
@@ -452,12 +433,16 @@ impl Run<'_> {
         self.doubt(flagged.iter().flatten());
         self.outputs.output_costs.quality.add(start);
         row.extend(self.probe());
+        if let Some(rheometer) = &self.rheometer {
+            row.extend(rheometer.numbers(&*self.drive, &mut self.simulation, &acting));
+        }
         let row = self.census.row(&row);
         let start = Instant::now();
         let output = |error: SeriesError| RunError::Output(Box::new(error));
         self.series.append(&row).map_err(output)?;
         self.outputs.output_costs.files.add(start);
         self.last = row;
+        self.note_profile();
         let impossible = quality::impossible(&self.simulation, &acting, &flagged);
         let files_every = self.scene.output.files_every;
         let due = self.outputs.sets.is_multiple_of(files_every);
@@ -576,6 +561,8 @@ impl Run<'_> {
         let (modes, warning) = modes;
         warnings.extend(warning);
         modes::write(&modes, self.folder)?;
+        let (rheology, warning) = self.average()?;
+        warnings.extend(warning);
         let notes = self.drive.notes().iter();
         let notes = notes.chain(self.remesher.notes());
         let notes = notes.chain(self.outputs.doubts.iter().map(|(_, note)| note));
@@ -600,6 +587,7 @@ impl Run<'_> {
             energy_estimates,
             remeshings: self.remesher.events().to_vec(),
             modes,
+            rheology,
             warnings,
             version: env!("CARGO_PKG_VERSION"),
             fingerprint: self.fingerprint.to_hex(),

@@ -15,4 +15,4 @@ use helfrich_evaluate::{effect, method, scalar};
 use helfrich_execute::{execute, ordered};
 use helfrich_mesh::{enclosure, generate, info, io};
 use helfrich_shape::{checked, contact, held, noise};
-use helfrich_solve::{dynamics, flow};
+use helfrich_solve::{dynamics, flow, rheology};

@@ -56,7 +56,7 @@ pub use flow::Flow;
 pub use material::Material;
 pub(crate) use mesh_source::MeshFiles;
 pub use mesh_source::{MeshFileSource, MeshSource, MeshSourceError};
-pub use output::{Every, Output, PictureField, Pictures, Plot, Probe, Slice, Volume};
+pub use output::{Every, Output, PictureField, Pictures, Plot, Probe, Rheology, Slice, Volume};
 pub use overrides::{OverrideSyntaxError, Overrides};
 pub use parameter::Parameter;
 pub(crate) use parameter::Parameters;

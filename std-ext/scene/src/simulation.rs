@@ -9,6 +9,7 @@ mod check;
 mod crossing;
 mod error;
 mod explain;
+mod moment;
 mod once;
 mod placed;
 

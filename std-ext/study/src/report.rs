@@ -195,6 +195,7 @@ pub fn run_table(summary: &Summary, folder: &Path, out: &mut dyn Write) -> io::R
         parts,
         energy_estimates,
         modes,
+        rheology,
         scene,
         ..
     } = summary;
@@ -227,6 +228,15 @@ pub fn run_table(summary: &Summary, folder: &Path, out: &mut dyn Write) -> io::R
             false => format!("is known to {:.2} %", 100.0 * error),
         };
         writeln!(out, "the energy of \"{surface}\" {known}")?;
+    }
+    if !rheology.is_empty() {
+        writeln!(out, "\n{:width$}  {:>14} {:>14}", "mean", "", "error")?;
+    }
+    for average in rheology {
+        let [mean, error] = [average.mean, average.standard_error].map(known);
+        let (name, unit) = (&average.quantity, unit_of(&average.quantity, scene));
+        let line = format!("{name:width$}  {mean:>14} {error:>14} {unit}");
+        writeln!(out, "{}", line.trim_end())?;
     }
     if !modes.is_empty() {
         let unit = match unit_of("stiffness", scene).as_str() {

@@ -12,5 +12,6 @@ mod material;
 mod relaxation;
 mod scenes;
 mod strong_form;
+mod suspensions;
 mod tubes;
 mod vesicles;

@@ -171,6 +171,8 @@ fn a_new_run_replaces_nothing() {
         "summary.json",
         "series.csv",
         "modes.csv",
+        "rheology.csv",
+        "profiles.csv",
         "surfaces.pvd",
         "last.vtp",
         "surfaces/mine.vtp",

@@ -55,11 +55,29 @@ pub(super) trait Drive {
         None
     }
 
+    /// The fluid between walls; `None` for drivers without a box of fluid, and before the first step.
+    fn sheared(&self) -> Option<Sheared<'_>> {
+        None
+    }
+
     /// Remarks on the results.
     fn notes(&self) -> &[String];
 
     /// The complete state, from which a run continues bit for bit.
     fn state(&self) -> DriveState;
+}
+
+/// A box of fluid and its walls. Without walls, stress and flow rates are NaN.
+#[derive(Clone, Debug)]
+pub(super) struct Sheared<'a> {
+    /// The mean shear stress on the walls, positive if the fluid drags the low wall along x.
+    pub(super) wall_stress: f64,
+    /// Volume per time along x, now and in the undisturbed flow.
+    pub(super) flow_rates: [f64; 2],
+    /// Heights and mean velocities along x: on the low wall, in each layer of nodes, on the high wall.
+    pub(super) layers: Vec<[f64; 2]>,
+    /// The velocities of the material of all surfaces at their vertices.
+    pub(super) material: &'a [[f64; 3]],
 }
 
 /// A point in the progress of a run.

@@ -3,6 +3,7 @@
 use super::files::Shown;
 use super::identity::input_files;
 use super::modes::MODES;
+use super::rheology::{PROFILES, RHEOLOGY};
 use super::{CHECKPOINT, RunError, SERIES, SUMMARY};
 use crate::io::{is_same_file, remove_unfinished};
 use crate::lock::{LOCK, Lock};
@@ -71,7 +72,15 @@ pub(super) fn refuse_inputs(
 
 /// The names of the files that a run replaces, other than its series and its checkpoint.
 fn files(scene: &Scene, simulation: &Simulation) -> Vec<String> {
-    let fixed = [SUMMARY, MODES, "surfaces.pvd", "slices.pvd", "volumes.pvd"];
+    let fixed = [
+        SUMMARY,
+        MODES,
+        RHEOLOGY,
+        PROFILES,
+        "surfaces.pvd",
+        "slices.pvd",
+        "volumes.pvd",
+    ];
     let shown = Shown::all(scene, simulation);
     let last = shown.iter().map(|one| one.last_name(shown.len()));
     fixed.map(str::to_owned).into_iter().chain(last).collect()

@@ -2,7 +2,7 @@
 
 use super::clock::Clock;
 use super::deformed::{Deformed, overlap};
-use super::drive::{Drive, Mark, Step, Work, cost};
+use super::drive::{Drive, Mark, Sheared, Step, Work, cost};
 use super::flowing::is_held;
 use super::state::{DriveState, ImmersingProgress, ImmersingState};
 use super::{End, RunError};
@@ -101,6 +101,7 @@ impl<'a, T: Stored> Immersing<'a, T> {
                     deformed,
                     steps: 0,
                     outputs: 0,
+                    wall_stresses: [f64::NAN; 2],
                     notes: notes(scene, driver, simulation, &positions),
                 };
                 (positions, progress, clock)
@@ -127,6 +128,23 @@ impl<'a, T: Stored> Immersing<'a, T> {
             deformed, notes, ..
         } = &mut self.progress;
         deformed.note(simulation, &self.positions, &caption, notes);
+    }
+
+    /// The mean shear stress on the walls in the last step.
+    fn wall_stress(&self) -> f64 {
+        let lattice = self.immersion.lattice();
+        let [x, y, z] = self.driver.size();
+        // Walls of a shear move against each other, those of a channel are both dragged along.
+        let against = matches!(self.driver.flow, Flow::Shear { .. });
+        let (mut force, mut area) = (0.0, 0.0);
+        for (axis, across) in [(1, x * z), (2, x * y)] {
+            if self.driver.walls()[axis] {
+                let [low, high] = lattice.wall_forces(axis).map(|[along, ..]| along);
+                force += if against { low - high } else { low + high };
+                area += 2.0 * across;
+            }
+        }
+        force * self.driver.units().force() / area
     }
 
     /// The number of the step that ends nearest to a time.
@@ -219,6 +237,10 @@ impl<T: Stored> Drive for Immersing<'_, T> {
             });
         }
         self.progress.steps += 1;
+        if self.scene.output.rheology.is_some() {
+            let [_, before] = self.progress.wall_stresses;
+            self.progress.wall_stresses = [before, self.wall_stress()];
+        }
         let (steps, time) = (self.progress.steps, self.time());
         let deformed = &mut self.progress.deformed;
         let material = (self.driver.redistribution).then(|| self.immersion.material_velocities());
@@ -259,6 +281,45 @@ impl<T: Stored> Drive for Immersing<'_, T> {
 
     fn fluid_at(&mut self, _simulation: &mut Simulation, points: &[[f64; 3]]) -> Option<Fluid> {
         Some(self.immersion.fluid_at(points))
+    }
+
+    fn sheared(&self) -> Option<Sheared<'_>> {
+        if self.progress.steps == 0 {
+            return None;
+        }
+        let (driver, unit) = (self.driver, self.driver.units().velocity());
+        let factor = self.scene.course.at(self.time());
+        let [low, high] = driver.corners();
+        let [_, rows, planes] = driver.cells;
+        let place = |node: usize, axis: usize| low[axis] + (node as f64 + 0.5) * driver.spacing;
+        let wall = |y: f64| {
+            let [along, ..] = undisturbed(driver, [driver.centre[0], y, driver.centre[2]]);
+            [y, factor * along]
+        };
+        let layers = self.immersion.lattice().layer_velocities().into_iter();
+        let layers = layers.enumerate();
+        let layers = layers.map(|(row, [along, ..])| [place(row, 1), unit * along]);
+        let layers = Vec::from_iter(layers);
+        let undisturbed = (0..rows * planes).map(|node| {
+            let point = [
+                driver.centre[0],
+                place(node % rows, 1),
+                place(node / rows, 2),
+            ];
+            undisturbed(driver, point)[0]
+        });
+        let [_, height, depth] = driver.size();
+        let means = [
+            layers.iter().map(|[_, along]| along).sum::<f64>() / rows as f64,
+            undisturbed.sum::<f64>() / (rows * planes) as f64,
+        ];
+        Some(Sheared {
+            // As velocities of vertices, the mean of two steps has no part of the momentum whose sign alternates.
+            wall_stress: 0.5 * self.progress.wall_stresses.iter().sum::<f64>(),
+            flow_rates: means.map(|mean| mean * height * depth),
+            layers: [vec![wall(low[1])], layers, vec![wall(high[1])]].concat(),
+            material: self.immersion.material_velocities(),
+        })
     }
 
     fn notes(&self) -> &[String] {

@@ -1,11 +1,44 @@
-//! States of drivers, as checkpoints store them. Their fields are the layout of a checkpoint.
+//! States of drivers and outputs, as checkpoints store them. Their fields are the layout of a checkpoint.
 
 use super::End;
 use super::clock::Schedule;
+use super::costs::OutputCosts;
 use super::deformed::Deformed;
+use super::remeshing::RemeshingState;
+use super::rheology::Profile;
 use crate::dynamics::{self, integrate};
 use crate::flow::{ImmersionState, Recent};
+use crate::io::Collection;
 use serde::{Deserialize, Serialize};
+
+/// The content of a checkpoint.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct Stored {
+    pub(super) drive: DriveState,
+    pub(super) remeshing: RemeshingState,
+    pub(super) outputs: Outputs,
+}
+
+/// The state of the outputs.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(super) struct Outputs {
+    pub(super) rows: u64,
+    pub(super) files: Collection,
+    pub(super) slices: Collection,
+    pub(super) volumes: Collection,
+    pub(super) profiles: Vec<Profile>,
+    /// The number of the last row, as files have it.
+    pub(super) written: Option<u64>,
+    /// Number of rows so far.
+    pub(super) sets: u64,
+    pub(super) costs: Vec<(u64, f64)>,
+    pub(super) output_costs: OutputCosts,
+    /// Number of pictures so far.
+    pub(super) pictures: u64,
+    pub(super) seconds: f64,
+    /// Warnings about the surfaces' quality, at most one per surface.
+    pub(super) doubts: Vec<(String, String)>,
+}
 
 /// The state of some driver.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -96,5 +129,7 @@ pub(super) struct ImmersingProgress {
     pub(super) steps: u64,
     /// Number of outputs so far, without the first.
     pub(super) outputs: u64,
+    /// The mean shear stress on the walls in the last two steps, for scenes that measure it.
+    pub(super) wall_stresses: [f64; 2],
     pub(super) notes: Vec<String>,
 }

@@ -1,7 +1,7 @@
 //! The end of a run, and its summary file.
 
 use super::remedy::remedy;
-use super::{EnergyEstimate, Flagged, Remeshing};
+use super::{Average, EnergyEstimate, Flagged, Remeshing};
 use crate::dynamics::Mode;
 use crate::scene::{Relax, Scene};
 use crate::simulation::{EffectCost, messages_once};
@@ -85,6 +85,9 @@ pub struct Summary {
     /// The normal modes of least stiffness at the end of a relaxation, if the driver asks for them.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub modes: Vec<Mode>,
+    /// Means over the time of the run, if the scene measures a suspension.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub rheology: Vec<Average>,
     /// Remarks on the results.
     pub warnings: Vec<String>,
     /// The version of the program.

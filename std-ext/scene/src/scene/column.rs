@@ -29,9 +29,15 @@ fn angle_or_dimension(quantity: &str) -> Option<Option<Dimension>> {
         "area" => Some(Dimension::AREA),
         "volume" => Some(Dimension::VOLUME),
         "force" => Some(Dimension::FORCE),
-        "axial_diameter" | "transverse_diameter" | "centroid_x" | "centroid_y" | "centroid_z" => {
-            Some(Dimension::LENGTH)
-        }
+        "axial_diameter"
+        | "transverse_diameter"
+        | "centroid_x"
+        | "centroid_y"
+        | "centroid_z"
+        | "free_layer" => Some(Dimension::LENGTH),
+        "wall_stress" | "N1" | "N2" => Some(Dimension::PRESSURE),
+        stress if stress.starts_with("particle_stress_") => Some(Dimension::PRESSURE),
+        "flow_rate" => Some(Dimension::FLOW_RATE),
         energy if energy == "energy" || energy.starts_with("energy_") => Some(Dimension::ENERGY),
         // An energy over the fourth power of a length.
         "stiffness" => Some(Dimension::REPULSION),

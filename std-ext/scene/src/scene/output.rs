@@ -32,6 +32,22 @@ pub struct Output {
     /// Points at which the fluid's velocity is written.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub probes: Vec<Probe>,
+    /// Measurements of a suspension as by a rheometer.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rheology: Option<Rheology>,
+}
+
+/// Measurements of a suspension in the box of a lattice, as by a rheometer.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Rheology {
+    /// Whether stresses are columns of the series.
+    pub stress: bool,
+    /// The number of slices between the walls, 0 for none.
+    pub profiles: usize,
+    /// The number of blocks of time from which errors of means follow, 2 or more.
+    pub blocks: usize,
+    /// The strain, the flow's rate times the time, up to which rows are left out of means.
+    pub skip: f64,
 }
 
 /// Interval between outputs.

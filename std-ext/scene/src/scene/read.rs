@@ -3,6 +3,7 @@
 mod driver;
 mod lattice;
 mod output;
+mod rheology;
 mod surface;
 
 use super::builder::Builder;
@@ -151,8 +152,16 @@ impl Builder<'_> {
         let mut driver = table.and_then(|table| self.driver(table, &surfaces, &readers));
         let course = self.course(table);
         let images = driver.as_ref().map(Driver::images);
-        let output = self.output(scene.table("output"), driver.as_ref());
+        let outputs = scene.table("output");
+        let mut output = self.output(outputs, driver.as_ref());
         let solids = scene.tables("obstacle");
+        output.rheology = self.rheology(
+            outputs.and_then(|outputs| outputs.table("rheology")),
+            driver.as_ref(),
+            output.every,
+            &surfaces,
+            !solids.is_empty(),
+        );
         let obstacles = self.obstacles(&solids);
         if let Some(table) = table {
             self.fit_step(table, driver.as_mut(), &output);

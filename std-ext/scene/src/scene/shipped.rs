@@ -25,7 +25,7 @@ macro_rules! scenes {
 }
 
 /// All shipped scenes.
-pub const SHIPPED: [ShippedScene; 20] = scenes![
+pub const SHIPPED: [ShippedScene; 21] = scenes![
     "capsule-constriction"
     "capsule-pair"
     "capsule-shear"
@@ -36,6 +36,7 @@ pub const SHIPPED: [ShippedScene; 20] = scenes![
     "red-blood-cell-relax"
     "red-blood-cell-shear"
     "red-blood-cell-stretched"
+    "suspension-shear"
     "two-domains"
     "vesicle-branches"
     "vesicle-bud"

@@ -55,6 +55,7 @@ impl Dimension {
     pub(crate) const RATE: Self = Self::new(0, 0, -1);
     pub(crate) const VELOCITY: Self = Self::new(0, 1, -1);
     pub(crate) const VISCOSITY: Self = Self::new(1, -2, 1);
+    pub(crate) const FLOW_RATE: Self = Self::new(0, 3, -1);
 
     /// Its name in messages, and examples of numbers with a unit.
     const NAMES: [(Self, &'static str, &'static str); 17] = [

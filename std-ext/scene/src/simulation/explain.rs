@@ -38,6 +38,8 @@ pub struct Explanation {
     pub integrator: Option<Active>,
     /// The lattice, if the driver has one.
     pub lattice: Option<LatticeExplanation>,
+    /// Measurements of a suspension.
+    pub rheology: Option<Active>,
     /// Estimate of the spectral radius ρ of the velocities' derivative by positions, 1/time, where
     /// there is a formula: explicit steps are stable up to about 2.5/ρ.
     pub spectral_radius: Option<f64>,
@@ -190,6 +192,7 @@ impl Scene {
                 None => driver::step_limit(self, spectral_radius),
             },
             lattice,
+            rheology: lattice::rheology(self),
             memory: memory.sum::<u64>() + self.lattice_memory(),
         }
     }

@@ -11,6 +11,7 @@ mod pictures;
 mod plots;
 mod population;
 mod remeshing;
+mod rheology;
 mod series;
 mod vtk;
 

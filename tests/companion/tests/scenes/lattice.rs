@@ -23,7 +23,7 @@ const DUCT: Tolerance = Tolerance::new(
 );
 
 #[track_caller]
-fn capsule(replacements: &[(&str, &str)]) -> String {
+pub(super) fn capsule(replacements: &[(&str, &str)]) -> String {
     capsule_in("lattice-boltzmann", "resolution = 6\n", replacements)
 }
 
@@ -38,7 +38,7 @@ fn unbuildable(text: &str) -> String {
 }
 
 /// Messages of all warnings, including those about the meshes.
-fn warnings(text: &str) -> Vec<String> {
+pub(super) fn warnings(text: &str) -> Vec<String> {
     let (simulation, _) = build(&valid(text)).unwrap_or_else(|error| panic!("{error}"));
     simulation
         .warnings()

@@ -15,6 +15,7 @@ mod overrides;
 mod populations;
 mod private;
 mod reading;
+mod rheology;
 mod schema;
 mod shipped;
 

@@ -58,6 +58,7 @@ impl Builder<'_> {
             slices: self.slices(&tables("slice"), driver),
             volumes: self.volumes(&tables("volume"), driver),
             probes: self.probes(&tables("probe"), driver),
+            rheology: None,
         }
     }
 

@@ -1,6 +1,6 @@
 //! Keys of the outputs.
 
-use super::super::keys::{Form, Keys, NUMBER, optional, plain, positive, required};
+use super::super::keys::{Form, Keys, NUMBER, Range, optional, plain, positive, required};
 use super::super::units::Dimension;
 
 pub(super) static OUTPUT: Keys = Keys {
@@ -82,6 +82,12 @@ pub(super) static OUTPUT: Keys = Keys {
             Form::Tables(&PROBE),
             "A point at which the fluid's velocity is written into the series.",
         ),
+        optional(
+            "rheology",
+            Form::Table(&RHEOLOGY),
+            "Stress of membranes and walls, relative viscosity, and profiles over the height of the box of a lattice; \
+             rheology.csv has their means over the time.",
+        ),
     ],
     exactly_one: &[],
     at_most_one: &[&["every", "interval", "strain_interval"]],
@@ -155,4 +161,29 @@ static PROBE: Keys = plain(&[
          and so on.",
     ),
     required("point", Form::Vector(Dimension::LENGTH), "Its position."),
+]);
+
+static RHEOLOGY: Keys = plain(&[
+    optional(
+        "stress",
+        Form::Switch,
+        "Whether the series has the stress of the membranes (particle_stress_xx, …), and that of the walls (wall_stress), \
+         the relative viscosity, and in shear the normal stress differences N1 and N2; by default true.",
+    ),
+    optional(
+        "profiles",
+        Form::Count(1),
+        "Number of slices between the walls at the ends of y; profiles.csv has the mean velocity and the share of the \
+         volume that membranes enclose in each; by default there are none.",
+    ),
+    optional(
+        "blocks",
+        Form::Count(2),
+        "Number of blocks of time from whose means the standard errors follow; by default 10.",
+    ),
+    optional(
+        "skip",
+        Form::Number(Dimension::NONE, Range::NotNegative),
+        "Strain, the flow's rate times the time, up to which rows are left out of means; by default 0.",
+    ),
 ]);

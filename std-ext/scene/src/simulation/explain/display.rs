@@ -40,6 +40,9 @@ impl fmt::Display for Explanation {
                 writeln!(f, "    {group}")?;
             }
         }
+        if let Some(rheology) = &self.rheology {
+            writeln!(f, "  {rheology}")?;
+        }
         writeln!(f, "  step limit          {}", self.step_limit)?;
         // Rounded up to megabytes, because the estimate is not more accurate.
         let megabytes = self.memory.div_ceil(1_000_000);

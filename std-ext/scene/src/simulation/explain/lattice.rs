@@ -8,7 +8,7 @@ use crate::flow::lattice_boltzmann::{LatticeError, Setup, Sides, Speed, measure_
 use crate::info::MeshInfo;
 use crate::scalar::Scalar;
 use crate::scene::{
-    Dimension, Driver, Flow, Group, InteractionScene, LatticeBoltzmann, Parameters, Scene,
+    Dimension, Driver, Every, Flow, Group, InteractionScene, LatticeBoltzmann, Parameters, Scene,
     SurfaceScene,
 };
 use serde::Serialize;
@@ -70,6 +70,34 @@ pub(super) fn explain(
         throughput,
         coupling,
         minutes: steps * step_time / 60.0,
+    })
+}
+
+/// The measurements of a suspension.
+pub(super) fn rheology(scene: &Scene) -> Option<Active> {
+    let (Driver::LatticeBoltzmann(lattice), Every::Time(interval)) =
+        (&scene.driver, scene.output.every)
+    else {
+        return None;
+    };
+    let rheology = scene.output.rheology?;
+    let mut parts = Vec::from_iter(rheology.stress.then(|| "stress".to_owned()));
+    if rheology.profiles > 0 {
+        parts.push(format!("profiles of {} slices", rheology.profiles));
+    }
+    let skipped = match rheology.skip {
+        0.0 => String::new(),
+        skip => format!(" after the strain {skip}"),
+    };
+    Some(Active {
+        name: "rheology",
+        choice: format!(
+            "{}, means over {} rows{skipped} in {} blocks",
+            parts.join(" and "),
+            rheology.rows(lattice, interval),
+            rheology.blocks
+        ),
+        parameters: Vec::new(),
     })
 }
 

@@ -201,12 +201,40 @@ impl<T: Precision> Lattice<T> {
         self.totals().1.momentum
     }
 
+    /// Mean velocity of the nodes at each y, from the first on; nodes inside obstacles are at rest.
+    pub fn layer_velocities(&self) -> Vec<[f64; 3]> {
+        let [length, rows, planes] = self.layout.cells;
+        let mut layers = vec![[0.0; 3]; rows];
+        self.each_row(|[y, _], fluid| {
+            let mut sum = [0.0; 3];
+            for moments in fluid {
+                let velocity = self.velocity(moments);
+                (0..3).for_each(|axis| sum[axis] += velocity[axis]);
+            }
+            (0..3).for_each(|axis| layers[y][axis] += sum[axis] / (length * planes) as f64);
+        });
+        layers
+    }
+
     /// Number of nodes in the fluid, and the sums over them, by rows so that little is lost to
     /// rounding.
     fn totals(&self) -> (usize, Moments) {
-        let [length, rows, planes] = self.layout.cells;
         let mut nodes = 0;
         let mut total = Moments::default();
+        self.each_row(|_, fluid| {
+            let mut sum = Moments::default();
+            for moments in fluid {
+                nodes += 1;
+                sum.add(moments);
+            }
+            total.add(&sum);
+        });
+        (nodes, total)
+    }
+
+    /// Calls `visit` with y and z of each row along x, and with its nodes outside obstacles.
+    fn each_row(&self, mut visit: impl FnMut([usize; 2], &mut dyn Iterator<Item = &Moments>)) {
+        let [length, rows, planes] = self.layout.cells;
         let mut moments = vec![Moments::default(); length];
         for (z, y) in (0..planes).flat_map(|z| (0..rows).map(move |y| (z, y))) {
             let row = Row {
@@ -214,16 +242,11 @@ impl<T: Precision> Lattice<T> {
                 count: length,
             };
             self.read(row, &mut moments);
-            let mut sum = Moments::default();
-            for (x, moments) in moments.iter().enumerate() {
-                if !self.is_labelled(self.layout.node([x, y, z])) {
-                    nodes += 1;
-                    sum.add(moments);
-                }
-            }
-            total.add(&sum);
+            let is_fluid = |x: usize| !self.is_labelled(self.layout.node([x, y, z]));
+            let nodes = moments.iter().enumerate();
+            let mut fluid = nodes.filter_map(|(x, moments)| is_fluid(x).then_some(moments));
+            visit([y, z], &mut fluid);
         }
-        (nodes, total)
     }
 }
 
