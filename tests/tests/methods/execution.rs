@@ -4,7 +4,7 @@ use helfrich::element::{ElementKernel, Execution, SlotKernel, Slots, Strided};
 use helfrich::{
     Conservative, Energy, Force, InPlane, Lane, Prepared, Real, Reordering, Serial, Skalak, Surface,
 };
-use helfrich_std::execute::{Parallel, available_threads, with_threads};
+use helfrich_std::execute::{Parallel, Shares, available_threads, with_threads};
 use helfrich_tests::laws::{
     Candidate, ConservativeCandidate, ConservativeLaw, Evaluate, Law, Subject, for_each,
     for_each_conservative, largest,
@@ -12,8 +12,11 @@ use helfrich_tests::laws::{
 use helfrich_tests::meshes::{Mesh, bent, icosphere, sheet, small, torus};
 use helfrich_tests::potentials::for_each_potential;
 use helfrich_tests::tolerance::Tolerance;
+use std::collections::{BTreeMap, HashSet};
 use std::fmt::Debug;
 use std::num::NonZeroUsize;
+use std::sync::Mutex;
+use std::time::Duration;
 
 /// Forces of one method in two orders of the vertices, relative to the largest.
 const REORDERED: Tolerance = Tolerance::new(
@@ -370,6 +373,42 @@ fn arctangents_on_the_axes_and_at_the_origin() {
     }
     assert!(Lane::atan2(f64::NAN, 1.0).is_nan());
     assert!(Lane::atan2(1.0, f64::NAN).is_nan());
+}
+
+/// Each part is worked on once, with the others of its share in their order; loops within shares start no threads.
+#[test]
+fn shares_have_every_part_once() {
+    let count = |threads| NonZeroUsize::new(threads).unwrap();
+    for (weights, is_divided) in [(vec![2; 9], true), (vec![1, 1, 30, 1], false)] {
+        for threads in 1..5 {
+            let mut shares = with_threads(count(threads), Shares::default);
+            let mut seen = BTreeMap::new();
+            // Threads are worth starting once it is known how long the work takes.
+            for _ in 0..2 {
+                let worked = Mutex::new(Vec::new());
+                let parts = weights.iter().copied().zip(0..).collect();
+                shares.each(parts, |part: usize| {
+                    std::thread::sleep(Duration::from_millis(1));
+                    let by = (std::thread::current().id(), available_threads());
+                    worked.lock().unwrap().push((part, by));
+                });
+                let worked = worked.into_inner().unwrap();
+                seen.clear();
+                for (part, (thread, allowed)) in worked {
+                    let last = seen.insert(part, (thread, allowed));
+                    assert!(last.is_none(), "{part} twice");
+                }
+                assert_eq!(seen.len(), weights.len());
+            }
+            let by = seen.values().map(|(thread, _)| *thread);
+            let by = by.collect::<HashSet<_>>().len();
+            let expected = if is_divided { threads } else { 1 };
+            assert_eq!(by, expected, "{weights:?}, {threads} threads");
+            if by > 1 {
+                assert!(seen.values().all(|(_, allowed)| *allowed == count(1)));
+            }
+        }
+    }
 }
 
 /// The number of threads is set for one piece of work on one thread, and restored after it.

@@ -44,9 +44,13 @@ fn vertices_are_inside_as_points_are() {
     let bowl = icosphere(3).map(|[x, y, z]| [x, y, 0.3 * z + 0.8 * (x * x + y * y)]);
     let mut random = SplitMix64::new(7);
     let mut found = [0; 3];
-    for _ in 0..60 {
+    for number in 0..60_usize {
         let at = [0; 3].map(|_| 0.9 * random.symmetric());
-        let small = icosphere(1).map(|x| [0, 1, 2].map(|axis| at[axis] + 0.2 * x[axis]));
+        let small = match number {
+            // Straight above and below vertices of the bowl.
+            0..2 => bowl.map(|[x, y, z]| [x, y, z + [0.1, -0.1][number]]),
+            _ => icosphere(1).map(|x| [0, 1, 2].map(|axis| at[axis] + 0.2 * x[axis])),
+        };
         let places = small.positions.iter().enumerate();
         let inside = places.filter(|(_, point)| encloses(bowl.surface(), **point));
         let inside = Vec::from_iter(inside.map(|(vertex, _)| vertex));
@@ -55,7 +59,7 @@ fn vertices_are_inside_as_points_are() {
         found[if inside.is_empty() {
             0
         } else {
-            1 + usize::from(inside.len() == 42)
+            1 + usize::from(inside.len() == small.positions.len())
         }] += 1;
     }
     assert!(found.iter().all(|&count| count > 0), "{found:?}");
