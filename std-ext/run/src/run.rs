@@ -8,6 +8,7 @@
 //! * `pictures/TIME.png`;
 //! * `slices/NAME-TIME.vti` and `.png` with `slices.pvd`: the fluid on the scene's slices;
 //! * `volumes/NAME-TIME.vti` with `volumes.pvd`: all fluid of a box;
+//! * `series-NAME.csv`: rows for each surface of a population, on request;
 //! * `plots/COLUMN.png`: columns of the series, drawn when the run ends;
 //! * `modes.csv`: the normal modes of an equilibrium, if the driver asks for them;
 //! * `rheology.csv`, `profiles.csv`: means over the time of the run, if the scene measures a suspension;
@@ -137,7 +138,7 @@ pub fn run(
         remesher,
         drive,
         rheometer,
-        census,
+        mut census,
         plots,
     } = plan(scene, &mut simulation, positions, state)?;
     let lock = match resume {
@@ -145,6 +146,7 @@ pub fn run(
         false => Some(folder::make(folder, lock)?),
     };
     folder::tidy(folder);
+    census.open(folder, outputs.as_ref().map(|outputs| outputs.rows))?;
     let columns = Vec::from_iter(census.columns().iter().map(String::as_str));
     let (series, outputs, last) = match outputs {
         Some(outputs) => {
@@ -436,9 +438,10 @@ impl Run<'_> {
         if let Some(rheometer) = &self.rheometer {
             row.extend(rheometer.numbers(&*self.drive, &mut self.simulation, &acting));
         }
-        let row = self.census.row(&row);
         let start = Instant::now();
         let output = |error: SeriesError| RunError::Output(Box::new(error));
+        self.census.append(&row).map_err(output)?;
+        let row = self.census.row(&row);
         self.series.append(&row).map_err(output)?;
         self.outputs.output_costs.files.add(start);
         self.last = row;
@@ -491,7 +494,7 @@ impl Run<'_> {
 
     fn checkpoint(&mut self) -> Result<(), RunError> {
         let start = Instant::now();
-        let rows = self.series.mark();
+        let rows = self.census.mark().and_then(|()| self.series.mark());
         self.outputs.rows = rows.map_err(|error| RunError::Output(Box::new(error)))?;
         let costs = self.costs();
         let stored = Stored {

@@ -23,6 +23,7 @@ mod mesh_source;
 mod output;
 mod overrides;
 mod parameter;
+mod places;
 mod population;
 mod problem;
 mod read;

@@ -1,8 +1,11 @@
-//! Columns of the surfaces of a population, as their means and standard deviations.
+//! Columns of the surfaces of a population, as their means and standard deviations, and of each surface.
 
-use crate::scene::Scene;
+use super::RunError;
+use crate::scene::{PopulationScene, Scene};
+use crate::series::{Series, SeriesError};
 use crate::simulation::EffectCost;
 use std::collections::HashMap;
+use std::path::Path;
 
 /// The columns of a series: those of surfaces alone, and for each population the mean and the standard deviation of every
 /// column of its surfaces, at the place of that of the first.
@@ -10,6 +13,18 @@ use std::collections::HashMap;
 pub(super) struct Census {
     columns: Vec<String>,
     parts: Vec<Part>,
+    own: Vec<PerCell>,
+}
+
+/// The columns of each surface of a population.
+#[derive(Debug)]
+struct PerCell {
+    population: String,
+    count: usize,
+    columns: Vec<String>,
+    /// For each column the indices in the numbers of a row, in the order of the surfaces.
+    indices: Vec<Vec<usize>>,
+    series: Option<Series>,
 }
 
 /// Source of one or two columns in the numbers of a row, in the order of the columns.
@@ -52,11 +67,52 @@ impl<'a> Names<'a> {
     }
 }
 
+/// The name of the file with rows for each surface of a population.
+fn file(population: &str) -> String {
+    format!("series-{population}.csv")
+}
+
+impl PerCell {
+    fn new(population: &PopulationScene, first: &str) -> Self {
+        Self {
+            population: population.name.clone(),
+            count: population.count(),
+            columns: vec![first.to_owned(), "cell".to_owned()],
+            indices: Vec::new(),
+            series: None,
+        }
+    }
+
+    /// Adds the next surface's number in a column.
+    fn add(&mut self, column: &str, index: usize) {
+        let place = self.columns[2..].iter().position(|name| name == column);
+        let place = place.unwrap_or_else(|| {
+            self.columns.push(column.to_owned());
+            self.indices.push(Vec::new());
+            self.indices.len() - 1
+        });
+        self.indices[place].push(index);
+    }
+
+    fn append(&mut self, all: &[f64]) -> Result<(), SeriesError> {
+        let Some(series) = &mut self.series else {
+            return Ok(());
+        };
+        (0..self.count).try_for_each(|cell| {
+            let mut row = vec![all[0], 1.0 + cell as f64];
+            row.extend(self.indices.iter().map(|column| all[column[cell]]));
+            series.append(&row)
+        })
+    }
+}
+
 impl Census {
     /// The census of rows with these columns.
     pub(super) fn new(scene: &Scene, all: &[String]) -> Self {
         let names = Names::new(scene);
         let (mut columns, mut parts) = (Vec::new(), Vec::new());
+        let wanted = scene.populations.iter().filter(|one| one.per_cell);
+        let mut own = Vec::from_iter(wanted.map(|one| PerCell::new(one, &all[0])));
         let mut places = HashMap::new();
         for (index, column) in all.iter().enumerate() {
             let Some((name, population)) = names.split(column) else {
@@ -72,8 +128,47 @@ impl Census {
             if let Part::Of(indices) = &mut parts[place] {
                 indices.push(index);
             }
+            if let Some(own) = own.iter_mut().find(|own| own.population == population) {
+                own.add(name, index);
+            }
         }
-        Self { columns, parts }
+        Self {
+            columns,
+            parts,
+            own,
+        }
+    }
+
+    /// The names of the files with rows for each surface.
+    pub(super) fn files(scene: &Scene) -> impl Iterator<Item = String> {
+        let wanted = scene.populations.iter().filter(|one| one.per_cell);
+        wanted.map(|one| file(&one.name))
+    }
+
+    /// Begins these files in a folder, or continues them after some rows of the series of the run.
+    pub(super) fn open(&mut self, folder: &Path, rows: Option<u64>) -> Result<(), RunError> {
+        for own in &mut self.own {
+            let path = folder.join(file(&own.population));
+            let columns = Vec::from_iter(own.columns.iter().map(String::as_str));
+            own.series = Some(match rows {
+                None => Series::create(&path, &columns)
+                    .map_err(|error| RunError::Output(Box::new(error)))?,
+                Some(rows) => Series::resume(&path, &columns, rows * own.count as u64)
+                    .map_err(RunError::Series)?,
+            });
+        }
+        Ok(())
+    }
+
+    /// Adds to these files the numbers of a row.
+    pub(super) fn append(&mut self, all: &[f64]) -> Result<(), SeriesError> {
+        self.own.iter_mut().try_for_each(|own| own.append(all))
+    }
+
+    /// As [`Series::mark`].
+    pub(super) fn mark(&mut self) -> Result<(), SeriesError> {
+        let mut series = self.own.iter_mut().filter_map(|own| own.series.as_mut());
+        series.try_for_each(|series| series.mark().map(drop))
     }
 
     /// The names of the columns.

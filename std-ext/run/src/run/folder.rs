@@ -1,5 +1,6 @@
 //! Files that are in a folder before a run begins or continues there.
 
+use super::census::Census;
 use super::files::Shown;
 use super::identity::input_files;
 use super::modes::MODES;
@@ -83,7 +84,13 @@ fn files(scene: &Scene, simulation: &Simulation) -> Vec<String> {
     ];
     let shown = Shown::all(scene, simulation);
     let last = shown.iter().map(|one| one.last_name(shown.len()));
-    fixed.map(str::to_owned).into_iter().chain(last).collect()
+    let own = Census::files(scene);
+    fixed
+        .map(str::to_owned)
+        .into_iter()
+        .chain(last)
+        .chain(own)
+        .collect()
 }
 
 /// Whether there is a file, or a link to one that need not exist.

@@ -1,6 +1,7 @@
-//! Populations: equal surfaces at random places.
+//! Populations: equal surfaces at random or given places.
 
 use super::builder::Builder;
+use super::places::read_places;
 use super::reader::Reader;
 use super::{Driver, LatticeBoltzmann, MeshSource, ObstacleScene, Orientation, SurfaceScene};
 use crate::info::MeshInfo;
@@ -19,6 +20,8 @@ pub struct PopulationScene {
     pub name: String,
     /// Which of the scene's surfaces they are.
     pub surfaces: Range<usize>,
+    /// Whether each of them has rows of its own in a series.
+    pub per_cell: bool,
 }
 
 impl PopulationScene {
@@ -38,11 +41,26 @@ struct Crowd<'a> {
     placed: Placed,
     info: MeshInfo,
     gap: f64,
+    /// The places from a file.
+    given: Option<Vec<Place>>,
 }
 
 impl Crowd<'_> {
     fn surface(&self) -> Option<Surface<'_, f64>> {
         Surface::new(self.placed.mesh(), &self.placed.positions).ok()
+    }
+
+    /// Its surfaces at these places.
+    fn at(&self, places: &[Place]) -> impl Iterator<Item = SurfaceScene> {
+        (1..).zip(places).map(|(number, place)| SurfaceScene {
+            name: format!("{}-{number}", self.surface.name),
+            position: place.position,
+            orientation: (place.angle != 0.0).then_some(Orientation {
+                axis: place.axis,
+                angle: place.angle,
+            }),
+            ..self.surface.clone()
+        })
     }
 }
 
@@ -91,7 +109,11 @@ impl Builder<'_> {
             return Vec::new();
         };
         let gap = crowds.iter().map(|crowd| crowd.gap).fold(0.0, f64::max);
-        let solids = self.solids(surfaces, obstacles, gap);
+        let mut standing = surfaces.clone();
+        for crowd in &crowds {
+            standing.extend(crowd.given.iter().flat_map(|places| crowd.at(places)));
+        }
+        let solids = self.solids(&standing, obstacles, gap);
         let free = volume(lattice) - solids.iter().map(|solid| solid.volume).sum::<f64>();
         let counts = crowds.iter().map(|crowd| self.count(crowd, free));
         let Some(counts) = counts.collect::<Option<Vec<usize>>>() else {
@@ -103,9 +125,11 @@ impl Builder<'_> {
             size: lattice.size(),
             walls: lattice.walls(),
         };
-        let kinds = crowds.iter().zip(&counts).filter_map(|(crowd, &count)| {
+        let random = crowds.iter().zip(&counts);
+        let random = Vec::from_iter(random.filter(|(crowd, _)| crowd.given.is_none()));
+        let kinds = random.iter().filter_map(|(crowd, count)| {
             let turns = crowd.reader.text("orientation") != Some("fixed");
-            Some(Kind::new(crowd.surface()?, count, crowd.gap, turns))
+            Some(Kind::new(crowd.surface()?, **count, crowd.gap, turns))
         });
         let kinds = Vec::from_iter(kinds);
         let solids = Vec::from_iter(solids.into_iter().flat_map(|solid| solid.balls));
@@ -114,29 +138,36 @@ impl Builder<'_> {
         let places = match pack(&room, &kinds, &solids, seed) {
             Ok(places) => places,
             Err(error) => {
-                let number = counts.iter().sum::<usize>();
+                let numbers = random.iter().map(|(crowd, count)| {
+                    format!("{count} surfaces of \"{}\"", crowd.surface.name)
+                });
+                let numbers = Vec::from_iter(numbers).join(" and ");
                 let message = format!(
-                    "{number} surfaces in the box: {error}: choose fewer, a smaller `gap`, or a larger `box`"
+                    "{numbers} in the box: {error}: choose fewer, a smaller `gap`, or a larger `box`"
                 );
-                let key = if one.has("count") {
-                    "count"
-                } else {
-                    "haematocrit"
-                };
-                self.contradiction(&one.origin_of(key), message);
+                let largest = random.iter().max_by_key(|(_, count)| **count);
+                let reader = largest.map_or(one, |(crowd, _)| crowd.reader);
+                let key = ["count", "haematocrit"].into_iter();
+                let key = key.filter(|key| reader.has(key)).last();
+                self.contradiction(&reader.origin_of(key.unwrap_or("name")), message);
                 return Vec::new();
             }
         };
         let mut places = places.into_iter();
         let mut populations = Vec::new();
-        for (crowd, count) in crowds.into_iter().zip(counts) {
+        for (crowd, count) in crowds.iter().zip(counts) {
             let begin = surfaces.len();
-            for (number, place) in (1..=count).zip(&mut places) {
-                surfaces.push(placed(&crowd.surface, number, place));
+            match &crowd.given {
+                Some(given) => surfaces.extend(crowd.at(given)),
+                None => {
+                    let random = Vec::from_iter(places.by_ref().take(count));
+                    surfaces.extend(crowd.at(&random));
+                }
             }
             populations.push(PopulationScene {
-                name: crowd.surface.name,
+                name: crowd.surface.name.clone(),
                 surfaces: begin..surfaces.len(),
+                per_cell: crowd.reader.switch("per_cell") == Some(true),
             });
         }
         populations
@@ -179,7 +210,18 @@ impl Builder<'_> {
         let cutoffs = self.barriers.iter().map(|barrier| barrier.cutoff);
         let cutoff = cutoffs.fold(0.0, f64::max);
         let gap = reader.number("gap");
+        let file = reader.text("places").map(|name| self.file(name));
+        let given = match file.map(|path| (read_places(&path), path)) {
+            None => None,
+            Some((Ok(places), _)) => Some(places),
+            Some((Err(error), path)) => {
+                let message = format!("{}: {error}", path.display());
+                self.contradiction(&reader.origin_of("places"), message);
+                return None;
+            }
+        };
         Some(Crowd {
+            given,
             gap: gap.unwrap_or(spacing.max(0.5 * cutoff)),
             reader,
             surface,
@@ -204,9 +246,11 @@ impl Builder<'_> {
     /// The number of surfaces of a population in this volume.
     fn count(&mut self, crowd: &Crowd<'_>, free: f64) -> Option<usize> {
         let name = &crowd.surface.name;
-        let (key, count) = match crowd.reader.number("haematocrit") {
-            Some(part) => ("haematocrit", (part * free / crowd.info.volume?).round()),
-            None => ("count", crowd.reader.count("count")? as f64),
+        let haematocrit = crowd.reader.number("haematocrit");
+        let (key, count) = match (&crowd.given, haematocrit) {
+            (Some(places), _) => ("places", places.len() as f64),
+            (None, Some(part)) => ("haematocrit", (part * free / crowd.info.volume?).round()),
+            (None, None) => ("count", crowd.reader.count("count")? as f64),
         };
         let needed = VERTEX_BYTES * crowd.info.vertices as f64 * count;
         let memory = free_memory().map_or(f64::INFINITY, |bytes| bytes as f64);
@@ -282,17 +326,4 @@ struct Solid {
 
 fn volume(lattice: &LatticeBoltzmann) -> f64 {
     lattice.size().iter().product()
-}
-
-/// The surface of a population with this number.
-fn placed(kind: &SurfaceScene, number: usize, place: Place) -> SurfaceScene {
-    SurfaceScene {
-        name: format!("{}-{number}", kind.name),
-        position: place.position,
-        orientation: (place.angle != 0.0).then_some(Orientation {
-            axis: place.axis,
-            angle: place.angle,
-        }),
-        ..kind.clone()
-    }
 }

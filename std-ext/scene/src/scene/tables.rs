@@ -32,7 +32,7 @@ pub(super) static SCENE: Keys = plain(&[
     optional(
         "population",
         Form::Tables(&POPULATION),
-        "Equal surfaces at random places in the box of the driver \"lattice-boltzmann\", and the effects that act on \
+        "Equal surfaces at random or given places in the box of the driver \"lattice-boltzmann\", and the effects that act on \
          each; together at least one surface is needed.",
     ),
     optional(

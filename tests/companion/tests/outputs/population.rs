@@ -4,6 +4,7 @@ use super::remeshing::{column, continues, runs};
 use helfrich_std::io::read_with_columns;
 use helfrich_std::run::End;
 use helfrich_std::scene::{Overrides, SceneFile};
+use helfrich_std::series::SeriesTable;
 use std::fmt::Write as _;
 use tempfile::TempDir;
 
@@ -37,13 +38,13 @@ pictures = false
 }
 
 /// A population moves as its surfaces written one by one, to the last bit; its columns are their means and standard
-/// deviations, its files have all of them, and runs continue to the bit.
+/// deviations, on request those of each surface, its files have all of them, and runs continue to the bit.
 #[test]
 fn a_population_is_its_surfaces() {
     let folder = TempDir::new().expect("a folder");
     let [whole, apart] = ["whole", "apart"].map(|name| folder.path().join(name));
     let text = scene(&format!(
-        "[[population]]\nname = \"cells\"\ncount = 5\n{KIND}"
+        "[[population]]\nname = \"cells\"\ncount = 5\nper_cell = true\n{KIND}"
     ));
     let summary = runs(&text, folder.path(), &whole, false, usize::MAX);
     assert_eq!(summary.end, End::Completed, "{}", summary.message);
@@ -76,6 +77,12 @@ fn a_population_is_its_surfaces() {
                 .iter()
                 .map(|name| column(&apart, &format!("{of}_{name}"))),
         );
+        let own = SeriesTable::read(&whole.join("series-cells.csv")).expect("a series");
+        let numbers = own.column("cell").expect("numbers").into_iter();
+        let numbers = numbers.zip(own.column(of).expect("a column"));
+        let expected = (0..all[0].len()).flat_map(|row| all.iter().map(move |one| one[row]));
+        let expected = (1..=5).map(f64::from).cycle().zip(expected);
+        assert!(numbers.eq(expected), "{of}");
         let means = column(&whole, &format!("cells_mean_{of}"));
         let deviations = column(&whole, &format!("cells_sd_{of}"));
         for (row, (mean, deviation)) in means.into_iter().zip(deviations).enumerate() {

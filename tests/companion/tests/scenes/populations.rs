@@ -158,12 +158,96 @@ fn all_bodies_keep_their_gap() {
     assert_eq!(felt(&build(&valid(&text)).expect("a scene"), GAP), 0.0);
 }
 
+/// The scene of a text in this folder.
+fn in_folder(folder: &Path, text: &str) -> Result<SceneFile, String> {
+    let path = folder.join("a.toml");
+    SceneFile::parse(text, &path, &Overrides::default()).map_err(|error| error.to_string())
+}
+
+/// Surfaces stand where a file says, as if each had its position and orientation, and random ones keep away from them.
+#[test]
+fn places_are_those_of_a_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let list = "x,y,z\n1.5, 0.25, -1\n# turned\n\n-1;0.5;1;0;1;2;40\n0 0 0\n";
+    std::fs::write(folder.path().join("places.csv"), list).expect("a file");
+    let given = cells("ellipsoid:1,1,0.4", "places = \"places.csv\"").replace("gap = 0.1", "");
+    let alone = |position: &str, more: &str| {
+        let surface = given.replace(
+            "[[population]]\nname = \"cells\"\nplaces = \"places.csv\"",
+            "",
+        );
+        format!(
+            "[[surface]]{surface}\nposition = [{position}]\n{more}\nelasticity = {{ law = \"skalak\", shear_modulus = 1, \
+             area_ratio = 10 }}\n"
+        )
+    };
+    let turned = "orientation = { axis = [0, 1, 2], angle = 40 }";
+    let surfaces =
+        alone("1.5, 0.25, -1", "") + &alone("-1, 0.5, 1", turned) + &alone("0, 0, 0", "");
+    let surfaces = surfaces.trim_end();
+    let elasticity = "elasticity = { law = \"skalak\", shear_modulus = 1, area_ratio = 10 }";
+    let surfaces = surfaces.strip_suffix(elasticity).expect("the last");
+    let positions = |populations: &str| {
+        let file = in_folder(folder.path(), &scene(populations, 8.0, "")).expect("valid");
+        build(&file).unwrap_or_else(|error| panic!("{error}"))
+    };
+    let found = positions(&given);
+    assert_eq!(found.0.bodies()[2].name(), "cells-3");
+    assert_eq!(found.1, positions(surfaces).1);
+    let balls = cells("sphere:0.5", "count = 30").replace("cells", "balls");
+    let both = positions(&format!("{balls}\n{elasticity}\n{given}"));
+    assert_eq!(both.0.bodies().len(), 33);
+    assert_eq!(both.1[both.0.bodies()[30].vertices()], found.1[..362]);
+    assert_eq!(felt(&both, GAP), 0.0);
+}
+
+#[test]
+fn files_without_places_are_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = scene(
+        &cells("sphere:1", "places = \"places.csv\"").replace("gap = 0.1", ""),
+        8.0,
+        "",
+    );
+    for (list, expected) in [
+        (None, "No such file"),
+        (Some("# none\n\n"), "there is no place"),
+        (
+            Some("0, 0, 0\n0, 0\n"),
+            "line 2 has not three finite numbers",
+        ),
+        (Some("0, 0, NaN\n"), "line 1 has not three"),
+        (
+            Some("x,y\n0,0,1,0,0,0,9\n"),
+            "line 2 has an angle about an axis",
+        ),
+    ] {
+        if let Some(list) = list {
+            std::fs::write(folder.path().join("places.csv"), list).expect("a file");
+        }
+        let message = in_folder(folder.path(), &text).expect_err("no places");
+        assert!(
+            message.contains(expected) && message.contains("a.toml:4:"),
+            "{message}"
+        );
+    }
+    let message = in_folder(
+        folder.path(),
+        &text.replace("places =", "gap = 1\nplaces ="),
+    );
+    assert!(message.is_err_and(|message| message.contains("gap")));
+}
+
 #[test]
 fn populations_without_room_are_refused() {
     refused(
         &scene(&cells("sphere:1", "haematocrit = 0.7"), 8.0, ""),
         [4, 15],
-        &["surfaces in the box", "% of their size fit", "choose fewer"],
+        &[
+            "surfaces of \"cells\" in the box",
+            "% of their size fit",
+            "choose fewer",
+        ],
     );
     refused(
         &scene(&cells("sphere:1", "count = 1"), 2.05, ""),

@@ -61,11 +61,11 @@ const PLACED: Keys = Keys {
     kinds: &[],
 };
 
-/// Equal surfaces at random places, with the keys of surfaces but those of a single place.
+/// Equal surfaces at random or given places, with the keys of surfaces but those of a single place.
 pub(super) static POPULATION: Keys = Keys {
     keys: &joined::<{ CROWD.len() + effects::KEYS.len() }>(CROWD, effects::KEYS),
-    exactly_one: &[&["shape", "mesh"], &["count", "haematocrit"]],
-    at_most_one: &[],
+    exactly_one: &[&["shape", "mesh"], &["count", "haematocrit", "places"]],
+    at_most_one: &[&["places", "gap"], &["places", "orientation"]],
     needs: &[
         ["shape", "vertices"],
         ["vertices", "shape"],
@@ -91,6 +91,13 @@ const CROWD: &[Key] = &[
         "Part of the box between its walls, without obstacles, that the surfaces enclose; instead of `count`.",
     ),
     optional(
+        "places",
+        Form::File,
+        "Text file with the place of a surface in each line, instead of random ones: x, y and z of its origin, in the scene's \
+         unit of length, and if it is turned an axis of three numbers and an angle in degrees. Titles are a first line of \
+         words, and lines that begin with #.",
+    ),
+    optional(
         "seed",
         Form::Count(0),
         "Seed of the places, and of the families irregular and hard; by default 1.",
@@ -105,6 +112,12 @@ const CROWD: &[Key] = &[
         "orientation",
         Form::Choice(|| vec!["random", "fixed"]),
         "\"random\", any orientation; \"fixed\", that of the mesh. By default random.",
+    ),
+    optional(
+        "per_cell",
+        Form::Switch,
+        "Whether series-NAME.csv has a row for each surface at each time: the time, the number of the surface as `cell`, and \
+         its columns. By default false.",
     ),
     SHAPE,
     FAMILY,
