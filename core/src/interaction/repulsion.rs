@@ -80,8 +80,8 @@ pub struct RepulsionMemory<T> {
     /// Twice the area vectors of one surface's vertices; unit normals N/|N| of all and 1/|2N|, where parts act.
     doubled: Vec<[T; 4]>,
     normals: Vec<[T; 4]>,
-    groups: Vec<Group<T>>,
-    /// As [`Group::sums`], of all near vertices.
+    bundles: Vec<Bundle<T>>,
+    /// As [`Bundle::sums`], of all near vertices.
     sums: Vec<[T; 7]>,
     /// −∂E/∂(2N) and −∂E/∂A of one surface's vertices.
     weights: Vec<[T; 4]>,
@@ -89,18 +89,18 @@ pub struct RepulsionMemory<T> {
 
 /// Some near vertices, one after the other.
 #[derive(Clone, Debug, Default)]
-struct Group<T> {
+struct Bundle<T> {
     /// Potential at each of them, its part of minus the gradient, and its turn.
-    sums: [[T; 7]; GROUP],
+    sums: [[T; 7]; BUNDLE],
     /// The triangles near them, and the forces on the corners of these.
     reactions: Vec<(u32, [Vec3<T>; 3])>,
 }
 
-/// Number of vertices in a group.
-const GROUP: usize = 8;
+/// Number of vertices in a bundle.
+const BUNDLE: usize = 8;
 
-/// Number of groups between two additions of their forces: the memory for these is that of so many.
-const GROUPS: usize = 2048;
+/// Number of bundles between two additions of their forces: the memory for these is that of so many.
+const BUNDLES: usize = 2048;
 
 impl<T> RepulsionMemory<T> {
     /// Number of vertices that the last evaluation found near the box of another surface or an
@@ -185,21 +185,21 @@ impl<T: Real> Repulsion<T> {
             near_vertices,
             vertices,
             faces,
-            groups,
+            bundles,
             sums,
             ..
         } = memory;
         let (vertices, faces) = (vertices.as_slice(), faces.as_slice());
         let (has_forces, push) = (forces.is_some(), self.half_push());
         sums.clear();
-        for block in (0..vertices.len()).step_by(GROUP * GROUPS) {
-            let count = (vertices.len() - block).div_ceil(GROUP).min(GROUPS);
-            groups.resize_with(count.max(groups.len()), Group::default);
-            execution.map(&mut groups[..count], |number, group| {
-                let Group { sums, reactions } = group;
+        for block in (0..vertices.len()).step_by(BUNDLE * BUNDLES) {
+            let count = (vertices.len() - block).div_ceil(BUNDLE).min(BUNDLES);
+            bundles.resize_with(count.max(bundles.len()), Bundle::default);
+            execution.map(&mut bundles[..count], |number, bundle| {
+                let Bundle { sums, reactions } = bundle;
                 reactions.clear();
-                *sums = [[T::zero(); 7]; GROUP];
-                let first = block + number * GROUP;
+                *sums = [[T::zero(); 7]; BUNDLE];
+                let first = block + number * BUNDLE;
                 for (k, sum) in (first..vertices.len()).zip(sums) {
                     let (vertex, place) = (&vertices[k], &vertex_places.places[k]);
                     let area = push * vertex.area;
@@ -223,10 +223,10 @@ impl<T: Real> Repulsion<T> {
                 }
             });
             let left = vertices.len() - block;
-            let of_group = groups[..count].iter().flat_map(|group| group.sums);
-            sums.extend(of_group.take(left));
+            let of_bundle = bundles[..count].iter().flat_map(|bundle| bundle.sums);
+            sums.extend(of_bundle.take(left));
             if let Some(forces) = &mut forces {
-                let reactions = groups[..count].iter().flat_map(|group| &group.reactions);
+                let reactions = bundles[..count].iter().flat_map(|bundle| &bundle.reactions);
                 for (face, reaction) in reactions {
                     let face = &faces[*face as usize];
                     let force = &mut *forces[face.surface as usize];

@@ -21,7 +21,7 @@ pub use colour::{Colour, ColourMap, NO_VALUE};
 pub use slice::FlowSlice;
 
 use canvas::{Anchor, Area, text_width};
-use colour::{INK, Table};
+use colour::{ColourTable, INK};
 use helfrich::Surface;
 use render::{Camera, Painted};
 use ticks::Ticks;
@@ -229,7 +229,7 @@ impl Picture<'_> {
             bottom: height - 2.0 * letters,
         };
         title(&mut canvas, self.title, letters, &mut area);
-        let table = Table::new(self.colours.map);
+        let table = ColourTable::new(self.colours.map);
         if self.surfaces.iter().any(|painted| painted.field.is_some()) {
             let values = Vec::from_iter(self.values());
             let label = self.colours.label;
@@ -299,7 +299,7 @@ fn range_of(
 fn colour_bar(
     canvas: &mut Canvas,
     letters: f64,
-    table: &Table,
+    table: &ColourTable,
     label: &str,
     [low, high]: [f64; 2],
     values: &[f64],

@@ -11,7 +11,7 @@ pub use balls::{Ball, inscribed_balls};
 
 use glam::DVec3;
 use helfrich::Surface;
-use moving::{Moving, Packing};
+use moving::{FreeBody, Packing};
 
 /// A box with walls at the ends of some axes; the others are periodic.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -119,7 +119,7 @@ pub fn pack(
             let deepest = packing.press(size);
             if deepest <= packing.slack {
                 if size >= 1.0 {
-                    return Ok(packing.bodies.iter().map(Moving::place).collect());
+                    return Ok(packing.bodies.iter().map(FreeBody::place).collect());
                 }
                 size = f64::min(1.0, size + GROWTH);
                 packing.grow(GROWTH);

@@ -27,7 +27,7 @@ pub enum ColourMap {
 impl ColourMap {
     /// This many colours at equal distances from one end of the map to the other, as sRGB encodes them.
     pub fn colours(self, count: usize) -> Vec<[u8; 3]> {
-        let table = Table::new(self);
+        let table = ColourTable::new(self);
         let last = count.saturating_sub(1).max(1) as f32;
         let byte = |light: f32| (255.0 * encoded(light)).round() as u8;
         let colour = |at: usize| table.at(at as f32 / last).map(byte);
@@ -117,11 +117,11 @@ fn diverging(t: f64) -> ([f64; 3], [f64; 3]) {
 
 /// A colour map as a table of linear light.
 #[derive(Debug)]
-pub(super) struct Table {
+pub(super) struct ColourTable {
     entries: Vec<[f32; 3]>,
 }
 
-impl Table {
+impl ColourTable {
     const SIZE: usize = 512;
 
     pub(super) fn new(map: ColourMap) -> Self {
@@ -233,7 +233,7 @@ mod tests {
             let x = step as f32 / 100.0;
             assert!((encoded(light(x)) - x).abs() < 1e-5);
         }
-        let middle = Table::new(ColourMap::Diverging).at(0.5);
+        let middle = ColourTable::new(ColourMap::Diverging).at(0.5);
         assert!((middle[0] - middle[2]).abs() < 1e-3 && middle[0] > 0.85);
     }
 }

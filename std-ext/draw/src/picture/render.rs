@@ -1,7 +1,7 @@
 //! Rasterisation of triangles: parallel projection, depth buffer, two by two samples per pixel.
 
 use super::canvas::{Area, Canvas};
-use super::colour::{self, PLAIN, Table};
+use super::colour::{self, ColourTable, PLAIN};
 use super::{PaintedSurface, PictureError, Shading, View};
 use helfrich::Surface;
 
@@ -241,7 +241,7 @@ pub(super) fn draw(
     area: Area,
     surfaces: &[Painted],
     camera: &Camera,
-    table: &Table,
+    table: &ColourTable,
 ) -> Depths {
     let (left, right) = (area.left as usize, area.right as usize);
     let (top, bottom) = (area.top as usize, area.bottom as usize);
@@ -346,7 +346,7 @@ struct Band<'a> {
     reached: [usize; 2],
     light: [f64; 3],
     towards: [f64; 3],
-    table: &'a Table,
+    table: &'a ColourTable,
     /// The light of a surface without a field.
     plain: [f32; 3],
 }

@@ -1,7 +1,7 @@
 //! Flow on a plane: colours, streamlines, and sections with surfaces.
 
 use super::canvas::{Anchor, Area, Canvas};
-use super::colour::{INK, Table, WHITE, encoded};
+use super::colour::{ColourTable, INK, WHITE, encoded};
 use super::streamlines::{Streamlines, between};
 use super::ticks::Ticks;
 use super::{
@@ -56,7 +56,7 @@ impl FlowSlice<'_> {
             bottom: height - 1.8 * letters,
         };
         title(&mut canvas, self.title, letters, &mut area);
-        let table = Table::new(self.colours.map);
+        let table = ColourTable::new(self.colours.map);
         let label = self.colours.label;
         colour_bar(
             &mut canvas,
@@ -107,7 +107,7 @@ impl FlowSlice<'_> {
         map: &Map,
         values: &[f64],
         [low, high]: [f64; 2],
-        table: &Table,
+        table: &ColourTable,
     ) {
         let area = map.area;
         let (first, last) = (area.left as usize, area.right as usize);

@@ -8,7 +8,7 @@ use glam::{DQuat, DVec3, DVec4};
 const EAGER: f64 = 1.6;
 
 /// A body that moves.
-pub(super) struct Moving {
+pub(super) struct FreeBody {
     position: DVec3,
     rotation: DQuat,
     turns: bool,
@@ -30,7 +30,7 @@ struct Placed {
     at: DVec3,
 }
 
-impl Moving {
+impl FreeBody {
     pub(super) fn place(&self) -> Place {
         let (axis, angle) = self.rotation.to_axis_angle();
         Place {
@@ -70,7 +70,7 @@ impl Placed {
 
 pub(super) struct Packing<'a> {
     room: &'a Room,
-    pub(super) bodies: Vec<Moving>,
+    pub(super) bodies: Vec<FreeBody>,
     balls: Vec<Placed>,
     /// Largest distance of the centres of two balls that touch.
     width: f64,
@@ -109,7 +109,7 @@ impl<'a> Packing<'a> {
                     arm: DVec3::ZERO,
                     at: DVec3::ZERO,
                 }));
-                bodies.push(Moving {
+                bodies.push(FreeBody {
                     position: DVec3::from(room.corner) + inside * DVec3::from(room.size),
                     rotation,
                     turns: kind.turns,

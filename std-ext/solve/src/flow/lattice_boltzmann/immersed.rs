@@ -10,7 +10,7 @@ mod rows;
 pub use kernel::Kernel;
 
 use crate::flow::lattice_boltzmann::force::{ForceSlab, NodalVelocities, checked_force};
-use crate::flow::lattice_boltzmann::reading::{Moments, Row};
+use crate::flow::lattice_boltzmann::reading::{Moments, NodeRow};
 use crate::flow::lattice_boltzmann::{Lattice, LatticeError, Precision, number};
 use helfrich_execute::execute::in_parts;
 use kernel::Stencil;
@@ -355,7 +355,7 @@ fn share_points(
 /// The velocities of some rows, one after the other, and what a force adds to them.
 fn read_velocities<T: Precision>(
     lattice: &Lattice<T>,
-    runs: &[Row],
+    runs: &[NodeRow],
     velocities: &mut [[f64; 3]],
     responses: &mut [f64],
 ) {

@@ -29,7 +29,7 @@ impl Node {
 
 /// Nodes along x, from one on.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Row {
+pub(super) struct NodeRow {
     pub(super) start: [usize; 3],
     pub(super) count: usize,
 }
@@ -58,7 +58,7 @@ impl<T: Precision> Lattice<T> {
     pub fn node(&self, cell: [usize; 3]) -> Node {
         self.assert_inside(cell);
         let mut moments = [Moments::default()];
-        let row = Row {
+        let row = NodeRow {
             start: cell,
             count: 1,
         };
@@ -166,7 +166,7 @@ impl<T: Precision> Lattice<T> {
 
     /// The moments of a row of nodes, node by node, so that the memory accesses of all directions
     /// overlap.
-    pub(super) fn read(&self, row: Row, moments: &mut [Moments]) {
+    pub(super) fn read(&self, row: NodeRow, moments: &mut [Moments]) {
         let layout = &self.layout;
         let slots: [_; Q] =
             array::from_fn(|direction| layout.row(self.odd(), direction, row.start));
@@ -237,7 +237,7 @@ impl<T: Precision> Lattice<T> {
         let [length, rows, planes] = self.layout.cells;
         let mut moments = vec![Moments::default(); length];
         for (z, y) in (0..planes).flat_map(|z| (0..rows).map(move |y| (z, y))) {
-            let row = Row {
+            let row = NodeRow {
                 start: [0, y, z],
                 count: length,
             };

@@ -1,7 +1,7 @@
 //! Parts of the rows of a lattice, which points reach.
 
 use super::kernel::{Kernel, Stencil};
-use crate::flow::lattice_boltzmann::reading::Row;
+use crate::flow::lattice_boltzmann::reading::NodeRow;
 
 /// The least gap, in nodes, between two parts of a row. Smaller gaps are bridged, because they
 /// share cache lines with the parts.
@@ -14,7 +14,7 @@ pub(super) struct Rows {
     /// and leaves a closed membrane.
     parts: Vec<[RowSpan; 2]>,
     /// All parts, in their order.
-    pub(super) runs: Vec<Row>,
+    pub(super) runs: Vec<NodeRow>,
     /// Number of nodes in all parts.
     pub(super) nodes: usize,
 }
@@ -75,7 +75,7 @@ impl Rows {
                 part.offset = self.nodes;
                 let count = part.end - part.start;
                 self.nodes += count;
-                self.runs.push(Row {
+                self.runs.push(NodeRow {
                     start: [part.start, row % rows, row / rows],
                     count,
                 });
