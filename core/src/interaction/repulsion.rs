@@ -235,6 +235,14 @@ impl<T: Real> Repulsion<T> {
                         *force = add(*force, reaction);
                     }
                 }
+                // Room for other bundles, so that the next evaluations need no more memory.
+                let most = bundles.iter().map(|bundle| bundle.reactions.len()).max();
+                let most = most.unwrap_or(0);
+                for Bundle { reactions, .. } in &mut *bundles {
+                    if reactions.capacity() < most + most / 2 {
+                        reactions.reserve_exact(2 * most - reactions.len());
+                    }
+                }
             }
         }
         let energy = execution.sum(vertices.len(), |k| vertices[k].area * sums[k][0]);

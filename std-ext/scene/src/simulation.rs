@@ -578,13 +578,12 @@ fn each_body(
     work: impl Fn(&mut Body, &mut [[f64; 3]]) + Sync,
 ) {
     let mut rest = vectors;
-    let mut parts = Vec::with_capacity(bodies.len());
-    for body in bodies {
+    let parts = bodies.iter_mut().map(|body| {
         let vertices = body.vertices.len();
-        let (own, after) = rest.split_at_mut(vertices);
-        parts.push((vertices, (body, own)));
+        let (own, after) = std::mem::take(&mut rest).split_at_mut(vertices);
         rest = after;
-    }
+        (vertices, (body, own))
+    });
     shares.each(parts, |(body, own)| work(body, own));
 }
 

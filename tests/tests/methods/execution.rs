@@ -386,7 +386,7 @@ fn shares_have_every_part_once() {
             // Threads are worth starting once it is known how long the work takes.
             for _ in 0..2 {
                 let worked = Mutex::new(Vec::new());
-                let parts = weights.iter().copied().zip(0..).collect();
+                let parts = weights.iter().copied().zip(0..);
                 shares.each(parts, |part: usize| {
                     std::thread::sleep(Duration::from_millis(1));
                     let by = (std::thread::current().id(), available_threads());

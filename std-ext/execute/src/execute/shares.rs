@@ -24,20 +24,23 @@ impl Shares {
     ///
     /// # Panics
     /// If `work` does.
-    pub fn each<P: Send>(&mut self, mut parts: Vec<(usize, P)>, work: impl Fn(P) + Sync) {
+    pub fn each<P: Send>(
+        &mut self,
+        parts: impl Iterator<Item = (usize, P)>,
+        work: impl Fn(P) + Sync,
+    ) {
         let start = clock::now();
         let most = self.execution.allowed().get();
         let worth = (self.last.as_secs_f64() / WORTH_A_THREAD.as_secs_f64()) as usize;
         let threads = if HAS_THREADS { most.min(worth) } else { 1 };
-        let shares = match threads {
-            0 | 1 => Vec::new(),
-            threads => shares(&parts, threads),
-        };
-        if shares.is_empty() {
-            parts.into_iter().for_each(|(_, part)| work(part));
+        // One thread needs no memory.
+        if threads <= 1 {
+            parts.for_each(|(_, part)| work(part));
         } else {
-            let shares = shares.into_iter().rev();
+            let mut parts = Vec::from_iter(parts);
+            let shares = shares(&parts, threads).into_iter().rev();
             let shares = Vec::from_iter(shares.map(|first| parts.split_off(first)));
+            parts.into_iter().for_each(|(_, part)| work(part));
             in_parts(shares.into_iter(), &|share: Vec<(usize, P)>| {
                 with_threads(NonZeroUsize::MIN, || {
                     share.into_iter().for_each(|(_, part)| work(part));

@@ -140,7 +140,7 @@ impl Deformed {
                 }
             }
         };
-        self.following.each(parts.collect(), follow);
+        self.following.each(parts, follow);
     }
 
     /// Must be called when surfaces have got new meshes, with their positions.

@@ -147,9 +147,11 @@ impl Builder<'_> {
                 );
                 let largest = random.iter().max_by_key(|(_, count)| **count);
                 let reader = largest.map_or(one, |(crowd, _)| crowd.reader);
-                let key = ["count", "haematocrit"].into_iter();
-                let key = key.filter(|key| reader.has(key)).last();
-                self.contradiction(&reader.origin_of(key.unwrap_or("name")), message);
+                let key = match reader.has("count") {
+                    true => "count",
+                    false => "haematocrit",
+                };
+                self.contradiction(&reader.origin_of(key), message);
                 return Vec::new();
             }
         };

@@ -78,14 +78,13 @@ impl KeptVolumes {
     ) {
         let mut rest = vectors;
         let mut first = 0;
-        let mut parts = Vec::with_capacity(self.volumes.len());
-        for volume in &mut self.volumes {
+        let parts = self.volumes.iter_mut().map(|volume| {
             let Range { start, end } = volume.vertices;
-            let (_, after) = rest.split_at_mut(start - first);
+            let (_, after) = std::mem::take(&mut rest).split_at_mut(start - first);
             let (own, after) = after.split_at_mut(end - start);
-            parts.push((end - start, (volume, own)));
             (rest, first) = (after, end);
-        }
+            (end - start, (volume, own))
+        });
         self.shares.each(parts, |(volume, own)| work(volume, own));
     }
 
