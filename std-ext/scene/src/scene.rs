@@ -129,11 +129,11 @@ impl Scene {
         }
     }
 
-    /// Memory of the driver's lattice in bytes: populations, forces and velocities at vertices,
+    /// Memory of the driver's lattice in bytes: populations, and forces and velocities at vertices,
     /// obstacles and viscosities. 0 without a lattice.
-    pub(crate) fn lattice_memory(&self) -> u64 {
+    pub(crate) fn lattice_memory(&self) -> [u64; 2] {
         let Driver::LatticeBoltzmann(lattice) = self.driver else {
-            return 0;
+            return [0; 2];
         };
         let cells = lattice.cells;
         let nodes = cells.map(|count| count as u64).iter().product::<u64>();
@@ -141,11 +141,12 @@ impl Scene {
             Scalar::F32 => (memory::<f32>(cells), 4),
             _ => (memory::<f64>(cells), 8),
         };
+        let populations = populations.unwrap_or(0) as u64;
         let ratio =
             |surface: &SurfaceScene| surface.viscosity_ratio.is_some_and(|ratio| ratio != 1.0);
         let contrast = u64::from(self.surfaces.iter().any(ratio));
         let labels = u64::from(!self.obstacles.is_empty());
-        populations.unwrap_or(0) as u64 + nodes * (number * (6 + contrast) + 2 * labels)
+        [populations, nodes * (number * (6 + contrast) + 2 * labels)]
     }
 }
 

@@ -72,9 +72,10 @@ impl Deformed {
                 notes.push(format!("from {caption}: {what}{why}"));
             }
         };
-        for (body, start) in simulation.bodies().iter().zip(&self.angles) {
+        let bodies = simulation.bodies().iter().zip(&self.angles);
+        for (body, start) in bodies.filter(|(body, _)| body.slides()) {
             let found = body.surface(positions).map_or(f64::NAN, smallest_angle);
-            if body.slides() && found < start.min(NARROW) {
+            if found < start.min(NARROW) {
                 add(
                     format!("triangles of \"{}\" have become narrow", body.name()),
                     format!(

@@ -92,6 +92,8 @@ const BASE_BYTES: u64 = 600;
 const MINIMISE_BYTES: u64 = 12 * 2 * 24;
 /// Bytes per vertex of sources, centres and tractions of the triangles, and of the stages of a step.
 const BOUNDARY_INTEGRAL_BYTES: u64 = 900;
+/// Bytes per vertex of the search for near triangles.
+const CONTACT_BYTES: u64 = 530;
 /// Bytes per vertex of clusters, their moments and sums.
 const CLUSTER_BYTES: u64 = 600;
 
@@ -107,6 +109,10 @@ impl Scene {
             0.0 => 0,
             _ => CLUSTER_BYTES,
         };
+        let contact = match self.interactions.is_empty() {
+            true => 0,
+            false => CONTACT_BYTES,
+        };
         let memory = surfaces.clone().map(|(surface, mesh)| {
             let vertices = mesh.vertices as u64;
             let minimises = |relax: &Relax| relax.scheme == Scheme::Minimise;
@@ -116,8 +122,9 @@ impl Scene {
                 Driver::BoundaryIntegral(_) => BOUNDARY_INTEGRAL_BYTES + clusters,
             };
             let effects = surface.effects.iter().map(|(_, effect)| effect.bytes(mesh));
-            vertices * (BASE_BYTES + driver + effects.sum::<u64>())
+            vertices * (BASE_BYTES + driver + contact + effects.sum::<u64>())
         });
+        let [populations, others] = self.lattice_memory();
         let number = Parameters::new(self.units);
         let interaction = |interaction: &InteractionScene| {
             let name = |index: usize| match self.surfaces.get(index) {
@@ -193,7 +200,8 @@ impl Scene {
             },
             lattice,
             rheology: lattice::rheology(self),
-            memory: memory.sum::<u64>() + self.lattice_memory(),
+            // While a checkpoint is written, there are two more copies of the populations.
+            memory: memory.sum::<u64>() + 3 * populations + others,
         }
     }
 }

@@ -131,7 +131,7 @@ impl Builder<'_> {
             );
             self.doubt(&place("step", "lattice_viscosity"), message);
         }
-        let needed = scene.lattice_memory();
+        let needed = scene.lattice_memory().iter().sum::<u64>();
         if let Some(free) = free_memory()
             && needed > free
         {
