@@ -311,6 +311,24 @@ impl Simulation {
         &self.images
     }
 
+    /// Each surface moved by whole periods of the box, so that the mean of its vertices is in the period that begins at this
+    /// corner: flows carry surfaces out of the box, where pictures do not show how near they are to each other's images.
+    pub fn within_period(&self, corner: [f64; 3], positions: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        let mut moved = positions.to_vec();
+        for body in &self.bodies {
+            let own = &mut moved[body.vertices.clone()];
+            let count = own.len() as f64;
+            for (axis, corner) in corner.into_iter().enumerate() {
+                if let Some(period) = self.images.period(axis) {
+                    let mean = own.iter().map(|at| at[axis]).sum::<f64>() / count;
+                    let shift = period * ((mean - corner) / period).floor();
+                    own.iter_mut().for_each(|at| at[axis] -= shift);
+                }
+            }
+        }
+        moved
+    }
+
     /// Warnings of the scene and of its meshes.
     pub fn warnings(&self) -> &[SceneError] {
         &self.warnings

@@ -20,6 +20,7 @@ use crate::series::SeriesTable;
 use crate::simulation::{Acting, Body, Simulation};
 use glam::DVec3;
 use helfrich::{Surface, TriangleMesh};
+use std::borrow::Cow;
 use std::path::Path;
 use std::time::Instant;
 
@@ -273,6 +274,13 @@ impl Run<'_> {
                 .iter()
                 .map(|body| measure::picture_field(body, positions, acting, field)),
         );
+        let shown = match scene.driver {
+            Driver::LatticeBoltzmann(lattice) if !scene.populations.is_empty() => {
+                let [corner, _] = lattice.corners();
+                Cow::Owned(self.simulation.within_period(corner, positions))
+            }
+            _ => Cow::Borrowed(positions),
+        };
         let painted = |surface, field| PaintedSurface {
             surface,
             field,
@@ -282,7 +290,7 @@ impl Run<'_> {
         };
         let surfaces = bodies.iter().zip(&fields);
         let surfaces = surfaces
-            .filter_map(|(body, field)| Some(painted(body.surface(positions)?, field.as_deref())));
+            .filter_map(|(body, field)| Some(painted(body.surface(&shown)?, field.as_deref())));
         let solids = solids(&self.simulation).map(|surface| painted(surface, None));
         let surfaces = Vec::from_iter(surfaces.chain(solids));
         let signed = fields.iter().flatten().flatten().any(|&value| value < 0.0);
@@ -301,7 +309,7 @@ impl Run<'_> {
                 },
             },
             view: View {
-                frame: Some(self.measures.frame(positions)),
+                frame: Some(self.measures.frame(&shown)),
                 ..view(scene)
             },
             length_unit: match scene.units {

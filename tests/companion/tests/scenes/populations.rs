@@ -277,6 +277,27 @@ fn populations_without_room_are_refused() {
     );
 }
 
+/// Surfaces that have left the box by its open ends are moved back by whole periods, those between walls are not.
+#[test]
+fn surfaces_are_shown_within_the_box() {
+    let built = build(&valid(&scene(&cells("sphere:1", "count = 5"), 8.0, "")));
+    let (simulation, positions) = built.unwrap_or_else(|error| panic!("{error}"));
+    let within = simulation.within_period([-4.0; 3], &positions);
+    assert_eq!(within, positions);
+    let mut away = positions.clone();
+    for (number, body) in simulation.bodies().iter().enumerate() {
+        let number = number as f64;
+        for at in &mut away[body.vertices()] {
+            *at = [at[0] + 8.0 * number, at[1] + 8.0, at[2] - 16.0 * number];
+        }
+    }
+    let back = simulation.within_period([-4.0; 3], &away);
+    for (found, at) in back.iter().zip(&positions) {
+        let expected = [at[0], at[1] + 8.0, at[2]];
+        assert!((0..3).all(|axis| (found[axis] - expected[axis]).abs() < 1e-13));
+    }
+}
+
 /// Problems with one kind of surface are said once, at its table.
 #[test]
 fn problems_are_said_once() {
