@@ -458,20 +458,6 @@ impl Run<'_> {
         Ok(impossible)
     }
 
-    /// Warns once about each surface whose energy lies on flagged vertices.
-    fn doubt<'f>(&mut self, flagged: impl Iterator<Item = &'f Flagged>) {
-        let doubts = &mut self.outputs.doubts;
-        for flagged in flagged.filter(|flagged| flagged.rules()) {
-            if !doubts
-                .iter()
-                .any(|(surface, _)| *surface == flagged.surface)
-            {
-                let note = format!("from {}: {}", self.drive.caption(), flagged.message());
-                doubts.push((flagged.surface.clone(), note));
-            }
-        }
-    }
-
     /// Writes a set of files, which may be the last.
     fn write_files(&mut self, mark: Mark, acting: &[Acting], last: bool) -> Result<(), RunError> {
         if self.scene.output.surfaces {

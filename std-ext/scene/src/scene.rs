@@ -129,7 +129,7 @@ impl Scene {
         }
     }
 
-    /// Memory of the driver's lattice in bytes: populations, and forces and velocities at vertices,
+    /// Memory of the driver's lattice in bytes: that of the populations, and that of forces and velocities at nodes,
     /// obstacles and viscosities. 0 without a lattice.
     pub(crate) fn lattice_memory(&self) -> [u64; 2] {
         let Driver::LatticeBoltzmann(lattice) = self.driver else {

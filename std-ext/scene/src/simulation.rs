@@ -8,6 +8,7 @@ mod build;
 mod check;
 mod crossing;
 mod error;
+mod evaluation;
 mod explain;
 mod moment;
 mod once;
@@ -24,20 +25,17 @@ pub use once::messages_once;
 pub(crate) use placed::Placed;
 
 use crate::checked;
-use crate::contact::repel;
-use crate::dynamics::{Evaluation, Held, Membrane, Motion, Problem};
+use crate::dynamics::{Held, Membrane, Motion};
 use crate::effect::{Effect, Viscosity};
 use crate::execute::{Parallel, Shares};
-use crate::flow::Membranes;
 use crate::io::Column;
 use crate::ordered::Ordered;
 use crate::scene::{HeldTargets, Named, SceneError, Stretch, Stretching};
 use helfrich::interaction::RepulsionMemory;
 use helfrich::{AnyFunctional, Finding, Images, Repulsion, Surface, TriangleMesh};
-use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Surfaces and their forces, for a driver.
 #[derive(Debug)]
@@ -245,56 +243,6 @@ impl Body {
     }
 }
 
-impl Body {
-    /// Adds the forces of its effects, and keeps their energies.
-    fn evaluate(&mut self, positions: &[[f64; 3]], force: &mut [[f64; 3]]) {
-        let mut energies = self.energies.take().unwrap_or_default();
-        energies.clear();
-        self.energies = self.add_forces(positions, force, |acts, surface, force| {
-            let effects = acts.effects.iter_mut();
-            energies.extend(effects.map(|effect| effect.add_force(surface, force)));
-            energies
-        });
-    }
-
-    /// Adds the forces that depend on velocities, those of all surfaces.
-    fn resist(&mut self, positions: &[[f64; 3]], velocities: &[[f64; 3]], force: &mut [[f64; 3]]) {
-        let velocities = &velocities[self.vertices.clone()];
-        let velocities = match &self.ordered {
-            None => Cow::Borrowed(velocities),
-            Some(ordered) => Cow::Owned(ordered.order().apply(velocities)),
-        };
-        self.add_forces(positions, force, |acts, surface, force| {
-            if let Some(viscosity) = &mut acts.viscosity {
-                viscosity.add_force(surface, &velocities, force);
-            }
-        });
-    }
-
-    /// Calls `add` with all that acts, the surface and a slice for forces, in one order, and adds these
-    /// forces to `force`, the slice of this body; returns what `add` does. None if a position is not
-    /// finite.
-    fn add_forces<R>(
-        &mut self,
-        positions: &[[f64; 3]],
-        force: &mut [[f64; 3]],
-        add: impl FnOnce(&mut Acts, Surface<'_, f64>, &mut [[f64; 3]]) -> R,
-    ) -> Option<R> {
-        let surface = checked::surface(&self.mesh, &positions[self.vertices.clone()]).ok()?;
-        let acts = &mut self.acts;
-        Some(match &mut self.ordered {
-            None => add(acts, surface, force),
-            Some(ordered) => {
-                let (surface, own) = ordered.parts(surface);
-                checked::clear(own);
-                let result = add(acts, surface, own);
-                ordered.add_forces_to(force);
-                result
-            }
-        })
-    }
-}
-
 impl Simulation {
     /// The surfaces.
     pub fn bodies(&self) -> &[Body] {
@@ -483,169 +431,5 @@ impl Simulation {
         } else {
             format!("{name}_{}", index + 1)
         }
-    }
-}
-
-impl Problem for Simulation {
-    fn is_conservative(&self) -> bool {
-        let mut effects = self.bodies.iter().flat_map(|body| &body.acts.effects);
-        effects.all(Effect::is_conservative)
-    }
-
-    fn evaluate(&mut self, positions: &[[f64; 3]], force: &mut [[f64; 3]]) -> Evaluation {
-        checked::clear(force);
-        each_body(&mut self.acting, &mut self.bodies, force, |body, force| {
-            body.evaluate(positions, force);
-        });
-        let mut evaluation = Evaluation::default();
-        let mut add = |energy: f64| {
-            evaluation.energy += energy;
-            evaluation.energy_scale += energy.abs();
-        };
-        for body in &self.bodies {
-            match &body.energies {
-                Some(energies) => energies.iter().copied().for_each(&mut add),
-                None => return Evaluation::new(f64::NAN),
-            }
-        }
-        for between in &mut self.between {
-            let start = Instant::now();
-            let added = between.add_force(&self.bodies, &self.obstacles, positions, force);
-            let Some(energy) = added else {
-                return Evaluation::new(f64::NAN);
-            };
-            add(energy);
-            between.time += start.elapsed();
-            between.evaluations += 1;
-        }
-        evaluation
-    }
-
-    fn constraint_count(&self) -> usize {
-        self.held.len()
-    }
-
-    fn groups(&self) -> &[u32] {
-        &self.groups
-    }
-
-    fn constraint_gradients(&mut self, positions: &[[f64; 3]], gradients: &mut [Vec<[f64; 3]>]) {
-        for gradient in gradients.iter_mut() {
-            gradient.fill([0.0; 3]);
-        }
-        for body in &mut self.bodies {
-            for (index, place) in body.places.clone().into_iter().enumerate() {
-                let gradient = &mut gradients[place][body.vertices.clone()];
-                body.add_forces(positions, gradient, |acts, surface, gradient| {
-                    acts.held.gradient(index, surface.positions(), gradient);
-                });
-            }
-        }
-    }
-
-    fn restore(&mut self, positions: &mut [[f64; 3]]) -> f64 {
-        let restore = |body: &mut Body| {
-            let positions = &mut positions[body.vertices.clone()];
-            let held = &mut body.acts.held;
-            let restored = match &mut body.ordered {
-                None => held.restore(positions),
-                Some(ordered) => ordered.change(positions, |positions| held.restore(positions)),
-            };
-            // The driver then takes a shorter step, or stops with a message.
-            restored.map_or(f64::INFINITY, |correction| correction.residual)
-        };
-        self.bodies.iter_mut().map(restore).fold(0.0, f64::max)
-    }
-}
-
-impl Membranes for Simulation {
-    fn set_forces(
-        &mut self,
-        positions: &[[f64; 3]],
-        forces: &mut [[f64; 3]],
-    ) -> Result<(), String> {
-        let evaluation = self.evaluate(positions, forces);
-        if evaluation.energy.is_finite() {
-            return Ok(());
-        }
-        Err("the energy is not a finite number: the mesh has been torn apart".to_owned())
-    }
-
-    fn are_viscous(&self) -> bool {
-        self.bodies.iter().any(|body| body.acts.viscosity.is_some())
-    }
-
-    fn add_viscous_forces(
-        &mut self,
-        positions: &[[f64; 3]],
-        velocities: &[[f64; 3]],
-        forces: &mut [[f64; 3]],
-    ) {
-        let resisting = &mut self.resisting;
-        each_body(resisting, &mut self.bodies, forces, |body, forces| {
-            body.resist(positions, velocities, forces);
-        });
-    }
-}
-
-/// Does `work` for each body and its part of the vectors of all vertices.
-fn each_body(
-    shares: &mut Shares,
-    bodies: &mut [Body],
-    vectors: &mut [[f64; 3]],
-    work: impl Fn(&mut Body, &mut [[f64; 3]]) + Sync,
-) {
-    let mut rest = vectors;
-    let parts = bodies.iter_mut().map(|body| {
-        let vertices = body.vertices.len();
-        let (own, after) = std::mem::take(&mut rest).split_at_mut(vertices);
-        rest = after;
-        (vertices, (body, own))
-    });
-    shares.each(parts, |(body, own)| work(body, own));
-}
-
-impl Repulsions {
-    /// Adds the forces and returns the energy; none if a position is not finite.
-    fn add_force(
-        &mut self,
-        bodies: &[Body],
-        obstacles: &[Obstacle],
-        positions: &[[f64; 3]],
-        force: &mut [[f64; 3]],
-    ) -> Option<f64> {
-        let moving = self.bodies.iter();
-        let moving = moving.map(|&body| bodies[body].surface(positions));
-        let resting = self.solids.iter().map(|&(solid, _)| {
-            let Obstacle {
-                mesh, positions, ..
-            } = &obstacles[solid];
-            Surface::new(mesh, positions).ok()
-        });
-        let surfaces: Option<Vec<_>> = moving.chain(resting).collect();
-        let surfaces = surfaces?;
-        let mut rest = force;
-        let mut first = 0;
-        let mut forces = Vec::with_capacity(surfaces.len());
-        for &body in &self.bodies {
-            let vertices = bodies[body].vertices.clone();
-            let (_, after) = rest.split_at_mut(vertices.start - first);
-            let (own, after) = after.split_at_mut(vertices.len());
-            forces.push(own);
-            rest = after;
-            first = vertices.end;
-        }
-        for (_, unused) in &mut self.solids {
-            unused.fill([0.0; 3]);
-            forces.push(unused);
-        }
-        let (repulsion, memory) = (&self.repulsion, &mut self.memory);
-        Some(repel(
-            &self.execution,
-            repulsion,
-            &surfaces,
-            memory,
-            &mut forces,
-        ))
     }
 }

@@ -1,4 +1,4 @@
-//! What a rheometer finds of membranes in a sheared fluid: their stress, and where they are between the walls.
+//! Stress of membranes in a sheared fluid, and their distribution between walls, as a rheometer finds them.
 //!
 //! In a volume V of fluid of viscosity μ, with membranes that exert the forces F_i on it at x_i and that enclose fluid of
 //! viscosity λ μ, the mean stress exceeds that of the fluid alone by

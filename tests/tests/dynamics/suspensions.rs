@@ -15,8 +15,8 @@ const DILUTE: Tolerance = Tolerance::new(
 /// The distance from wall to wall, and the lengths of the box, in radii of the drop.
 const LENGTH: f64 = 6.0;
 
-/// What walls and the stress of the drop say about the intrinsic viscosity of nearly spherical drops in fluid of their own
-/// viscosity, Ca = 0.02, with this number of nodes per radius.
+/// Intrinsic viscosity of nearly spherical drops in fluid of their own viscosity, Ca = 0.02, by the walls and by the stress of
+/// the drop, with this number of nodes per radius.
 fn intrinsic(resolution: u32) -> [f64; 2] {
     let rate = 0.02;
     let text = format!(

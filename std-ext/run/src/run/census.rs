@@ -67,6 +67,12 @@ impl<'a> Names<'a> {
     }
 }
 
+/// The populations with rows for each surface. Those of a single surface are the rows of the series.
+fn per_cell(scene: &Scene) -> impl Iterator<Item = &PopulationScene> {
+    let populations = scene.populations.iter();
+    populations.filter(|population| population.per_cell && scene.surfaces.len() > 1)
+}
+
 /// The name of the file with rows for each surface of a population.
 fn file(population: &str) -> String {
     format!("series-{population}.csv")
@@ -111,8 +117,8 @@ impl Census {
     pub(super) fn new(scene: &Scene, all: &[String]) -> Self {
         let names = Names::new(scene);
         let (mut columns, mut parts) = (Vec::new(), Vec::new());
-        let wanted = scene.populations.iter().filter(|one| one.per_cell);
-        let mut own = Vec::from_iter(wanted.map(|one| PerCell::new(one, &all[0])));
+        let own = per_cell(scene).map(|population| PerCell::new(population, &all[0]));
+        let mut own = Vec::from_iter(own);
         let mut places = HashMap::new();
         for (index, column) in all.iter().enumerate() {
             let Some((name, population)) = names.split(column) else {
@@ -141,8 +147,7 @@ impl Census {
 
     /// The names of the files with rows for each surface.
     pub(super) fn files(scene: &Scene) -> impl Iterator<Item = String> {
-        let wanted = scene.populations.iter().filter(|one| one.per_cell);
-        wanted.map(|one| file(&one.name))
+        per_cell(scene).map(|population| file(&population.name))
     }
 
     /// Begins these files in a folder, or continues them after some rows of the series of the run.

@@ -1,5 +1,6 @@
 //! Quality of the surfaces of a run: vertices whose energy cannot be trusted.
 
+use super::Run;
 use crate::effect::Effect;
 use crate::findings::first_of_each_kind;
 use crate::scene::{Bending, Named};
@@ -117,6 +118,22 @@ impl Flagged {
             100.0 * LIMIT,
             Vec::from_iter(kinds).join("; ")
         )
+    }
+}
+
+impl Run<'_> {
+    /// Warns once about each surface whose energy lies on flagged vertices.
+    pub(super) fn doubt<'f>(&mut self, flagged: impl Iterator<Item = &'f Flagged>) {
+        let doubts = &mut self.outputs.doubts;
+        for flagged in flagged.filter(|flagged| flagged.rules()) {
+            if !doubts
+                .iter()
+                .any(|(surface, _)| *surface == flagged.surface)
+            {
+                let note = format!("from {}: {}", self.drive.caption(), flagged.message());
+                doubts.push((flagged.surface.clone(), note));
+            }
+        }
     }
 }
 

@@ -52,8 +52,8 @@ pub(super) struct Profile {
 pub(super) struct Rheometer {
     settings: Rheology,
     driver: LatticeBoltzmann,
-    /// The viscosity inside each surface over that around it.
-    ratios: Vec<f64>,
+    /// The viscosity inside each surface less that around it, over that of the fluid outside of all.
+    contrasts: Vec<f64>,
     /// Which surfaces enclose volume that no other one does.
     outermost: Vec<bool>,
 }
@@ -74,14 +74,14 @@ impl Rheometer {
         let surfaces = bodies.map(|body| body.surface(positions));
         let around = surroundings(&surfaces.collect::<Option<Vec<_>>>()?, simulation.images());
         let inside = |surface: usize| scene.surfaces[surface].viscosity_ratio.unwrap_or(1.0);
-        let ratio = |(surface, around): (usize, &Option<usize>)| {
+        let contrast = |(surface, around): (usize, &Option<usize>)| {
             inside(surface) - around.map_or(1.0, inside)
         };
         let bodies = simulation.bodies().iter().zip(&around);
         Some(Self {
             settings,
             driver,
-            ratios: around.iter().enumerate().map(ratio).collect(),
+            contrasts: around.iter().enumerate().map(contrast).collect(),
             outermost: bodies
                 .map(|(body, around)| around.is_none() && body.mesh().is_closed())
                 .collect(),
@@ -127,12 +127,12 @@ impl Rheometer {
         let volume = self.driver.size().iter().product::<f64>();
         let moment = simulation.moment(acting, positions, sheared.material)?;
         let mut stress = symmetric(&moment).map(|component| -component / volume);
-        for (body, ratio) in simulation.bodies().iter().zip(&self.ratios) {
-            if *ratio != 0.0 && body.mesh().is_closed() {
+        for (body, contrast) in simulation.bodies().iter().zip(&self.contrasts) {
+            if *contrast != 0.0 && body.mesh().is_closed() {
                 let velocities = &sheared.material[body.vertices()];
                 let inner = velocity_moment(body.surface(positions)?, velocities);
                 for (stress, inner) in stress.iter_mut().zip(symmetric(&inner)) {
-                    *stress += 2.0 * ratio * viscosity * inner / volume;
+                    *stress += 2.0 * contrast * viscosity * inner / volume;
                 }
             }
         }

@@ -1,8 +1,12 @@
 //! Places of surfaces in a text file.
 
+use crate::io::{read_whole, without_mark};
 use helfrich_mesh::packing::Place;
 use std::io;
 use std::path::Path;
+
+/// Largest length of a file of places: a million of them, with all their digits.
+const LONGEST: u64 = 200_000_000;
 
 /// The reason why places cannot be read. The file is not quoted, because the scene of somebody else may name any.
 #[derive(Debug, thiserror::Error)]
@@ -22,7 +26,8 @@ pub(super) enum PlacesError {
 /// The places in a file: one in each line, with numbers between commas, semicolons or blanks. A line that begins with `#`, and
 /// a first line of words, are titles.
 pub(super) fn read_places(path: &Path) -> Result<Vec<Place>, PlacesError> {
-    let text = std::fs::read_to_string(path)?;
+    let bytes = read_whole(path, Some(LONGEST))?;
+    let text = String::from_utf8_lossy(without_mark(&bytes));
     let mut places = Vec::new();
     for (number, line) in (1..).zip(text.lines().map(str::trim)) {
         let is_title = number == 1 && line.starts_with(|first: char| first.is_alphabetic());
