@@ -2,9 +2,9 @@
 
 mod face;
 mod near;
+mod neighbours;
 
 use super::Interaction;
-use super::cells::{Cells, Near, Sorted};
 use super::images::{Images, NearImages};
 use crate::bending::AreaVectorForce;
 use crate::element::Execution;
@@ -14,7 +14,8 @@ use crate::surface::Surface;
 use crate::vec3::{Vec3, add, dot, scale, sub};
 use alloc::vec::Vec;
 use face::{Everywhere, Facing, Felt};
-use near::{Bounds, NearFace, NearVertex};
+use near::{NearFace, NearVertex, Nearby};
+use neighbours::Neighbours;
 
 /// Short-range repulsion of different surfaces: a pressure between them that grows without bound as
 /// the gap closes; with an [`Self::attraction`], adhesion.
@@ -61,28 +62,17 @@ pub struct Repulsion<T> {
     pub images: Images<T>,
 }
 
-/// Memory of [`Repulsion`].
+/// Memory of [`Repulsion`]: a list of what may come near each other, which is searched for again only once surfaces have
+/// moved far enough. Results do not depend on it.
 #[derive(Clone, Debug, Default)]
 pub struct RepulsionMemory<T> {
-    bounds: Vec<Bounds<T>>,
-    /// The widened boxes of other surfaces and of images that intersect the box of one surface.
-    near: Vec<Bounds<T>>,
-    vertex_places: Sorted<T>,
-    face_places: Sorted<T>,
-    /// The triangles near the cells of vertices.
-    near_vertices: Vec<Near>,
-    /// In the order of their places.
-    vertices: Vec<NearVertex<T>>,
-    faces: Vec<NearFace<T>>,
-    /// Areas of the vertices of all surfaces, and where those of each begin.
-    areas: Vec<T>,
-    begins: Vec<usize>,
-    /// Twice the area vectors of one surface's vertices; unit normals N/|N| of all and 1/|2N|, where parts act.
-    doubled: Vec<[T; 4]>,
-    normals: Vec<[T; 4]>,
+    neighbours: Neighbours<T>,
+    nearby: Nearby<T>,
     bundles: Vec<Bundle<T>>,
     /// As [`Bundle::sums`], of all near vertices.
     sums: Vec<[T; 7]>,
+    /// The near vertices that feel anything, by their numbers in the list.
+    moved: Vec<u32>,
     /// −∂E/∂(2N) and −∂E/∂A of one surface's vertices.
     weights: Vec<[T; 4]>,
 }
@@ -92,6 +82,8 @@ pub struct RepulsionMemory<T> {
 struct Bundle<T> {
     /// Potential at each of them, its part of minus the gradient, and its turn.
     sums: [[T; 7]; BUNDLE],
+    /// Whether each of them feels anything.
+    feels: [bool; BUNDLE],
     /// The triangles near them, and the forces on the corners of these.
     reactions: Vec<(u32, [Vec3<T>; 3])>,
 }
@@ -102,46 +94,81 @@ const BUNDLE: usize = 8;
 /// Number of bundles between two additions of their forces: the memory for these is that of so many.
 const BUNDLES: usize = 2048;
 
-impl<T> RepulsionMemory<T> {
-    /// Number of vertices that the last evaluation found near the box of another surface or an
-    /// image. If 0, the evaluation ended there.
+impl<T: Real> RepulsionMemory<T> {
+    /// Number of vertices that the last search found near the box of another surface or an image. If 0, the evaluation
+    /// ended there.
     pub fn candidates(&self) -> usize {
-        self.vertices.len()
+        self.neighbours.candidates()
+    }
+
+    /// Number of searches for what may come near each other, in all evaluations so far.
+    pub fn searches(&self) -> u64 {
+        self.neighbours.searches()
     }
 }
 
-/// Cells and images by which near pairs are found.
+/// What vertices and triangles feel of each other.
 struct Pairs<'a, T> {
     repulsion: &'a Repulsion<T>,
     over_range: T,
-    cells: Cells<T>,
     images: NearImages<T>,
 }
 
-impl<T: Real> Pairs<'_, T> {
-    /// Calls `act` with the interaction of a vertex with a triangle and its images.
+impl<'a, T: Real> Pairs<'a, T> {
+    /// Those of triangles that were measured for this range.
+    fn new(repulsion: &'a Repulsion<T>, range: T) -> Self {
+        Self {
+            repulsion,
+            over_range: range.reciprocal_or_zero(),
+            images: NearImages::new(&repulsion.images),
+        }
+    }
+
+    /// Calls `act` with the difference of a vertex from a triangle's first corner and from its images, if they act on each
+    /// other and may be near, in units of the range, and whether both are parts of one surface.
     #[inline(always)]
-    fn each_felt(&self, vertex: &NearVertex<T>, face: &NearFace<T>, mut act: impl FnMut(Felt<T>)) {
+    fn each_apart(
+        &self,
+        vertex: &NearVertex<T>,
+        face: &NearFace<T>,
+        mut act: impl FnMut(Vec3<T>, bool),
+    ) {
         let itself = vertex.surface == face.surface;
         let apart = sub(vertex.position, face.position);
         let apart = add(apart, sub(vertex.remainder, face.remainder));
         let (offset, reach) = (face.centre, face.reach);
         self.images
             .each_within(apart, offset, reach, |apart, is_another| {
-                let Repulsion {
-                    attraction, parts, ..
-                } = *self.repulsion;
-                let apart = scale(self.over_range, apart);
-                let felt = if !itself || is_another {
-                    face.triangle.felt(apart, attraction, Everywhere)
-                } else if parts && !face.corners.contains(&vertex.vertex) {
-                    let sight = Facing(vertex.normal);
-                    face.triangle.felt(apart, attraction, sight)
-                } else {
-                    None
-                };
-                felt.into_iter().for_each(&mut act);
+                let parts = itself && !is_another;
+                let faces = self.repulsion.parts && !face.corners.contains(&vertex.vertex);
+                if !parts || faces {
+                    act(scale(self.over_range, apart), parts);
+                }
             });
+    }
+
+    /// Calls `act` with the interaction of a vertex with a triangle and its images.
+    #[inline(always)]
+    fn each_felt(&self, vertex: &NearVertex<T>, face: &NearFace<T>, mut act: impl FnMut(Felt<T>)) {
+        let attraction = self.repulsion.attraction;
+        self.each_apart(vertex, face, |apart, parts| {
+            let felt = if parts {
+                let sight = Facing(vertex.normal);
+                face.triangle.felt(apart, attraction, sight)
+            } else {
+                face.triangle.felt(apart, attraction, Everywhere)
+            };
+            felt.into_iter().for_each(&mut act);
+        });
+    }
+
+    /// Whether a vertex is within the range of a triangle, wherever it faces.
+    fn is_near(&self, vertex: &NearVertex<T>, face: &NearFace<T>) -> bool {
+        let mut near = false;
+        self.each_apart(vertex, face, |apart, _| {
+            near |= face.triangle.felt(apart, T::zero(), Everywhere).is_some();
+        });
+        near
     }
 }
 
@@ -162,12 +189,8 @@ impl<T: Real> Repulsion<T> {
         }
     }
 
-    /// 1/r_c; 0 where there is no range.
-    fn over_range(&self) -> T {
-        self.range.reciprocal_or_zero().max(T::zero())
-    }
-
-    /// Finds near pairs, sets `sums`, adds the forces on triangles and returns the energy; nothing where none are near.
+    /// Finds near pairs, sets `sums` and `moved`, adds the forces on triangles and returns the energy; nothing where none
+    /// are near.
     ///
     /// Each pair is evaluated once. Vertices collect the forces on their triangles, which are then added in the order of
     /// vertices, so that sums do not depend on the division among threads.
@@ -178,33 +201,47 @@ impl<T: Real> Repulsion<T> {
         memory: &mut RepulsionMemory<T>,
         mut forces: Option<&mut [&mut [[T; 3]]]>,
     ) -> Option<T> {
-        let pairs = self.find(execution, surfaces, memory)?;
+        if self.range.reciprocal_or_zero() <= T::zero() {
+            return None;
+        }
         let RepulsionMemory {
-            vertex_places,
-            face_places,
-            near_vertices,
-            vertices,
-            faces,
+            neighbours,
+            nearby,
             bundles,
             sums,
+            moved,
             ..
         } = memory;
-        let (vertices, faces) = (vertices.as_slice(), faces.as_slice());
+        neighbours.update(execution, self, surfaces, &mut nearby.faces);
+        if neighbours.vertices().is_empty() {
+            return None;
+        }
+        nearby.measure(execution, surfaces, neighbours, self.range, self.parts);
+        let pairs = Pairs::new(self, self.range);
+        let (vertices, faces) = (nearby.vertices.as_slice(), nearby.faces.as_slice());
+        let (listed, listed_faces) = (neighbours.vertices(), neighbours.pairs());
         let (has_forces, push) = (forces.is_some(), self.half_push());
         sums.clear();
+        moved.clear();
         for block in (0..vertices.len()).step_by(BUNDLE * BUNDLES) {
             let count = (vertices.len() - block).div_ceil(BUNDLE).min(BUNDLES);
             bundles.resize_with(count.max(bundles.len()), Bundle::default);
             execution.map(&mut bundles[..count], |number, bundle| {
-                let Bundle { sums, reactions } = bundle;
+                let Bundle {
+                    sums,
+                    feels,
+                    reactions,
+                } = bundle;
                 reactions.clear();
                 *sums = [[T::zero(); 7]; BUNDLE];
+                *feels = [false; BUNDLE];
                 let first = block + number * BUNDLE;
-                for (k, sum) in (first..vertices.len()).zip(sums) {
-                    let (vertex, place) = (&vertices[k], &vertex_places.places[k]);
+                for ((k, sum), feels) in (first..vertices.len()).zip(sums).zip(feels) {
+                    let vertex = &vertices[k];
                     let area = push * vertex.area;
-                    let meet = |face: usize| {
-                        pairs.each_felt(vertex, &faces[face], |felt| {
+                    for &face in &listed_faces[listed[k].pairs()] {
+                        pairs.each_felt(vertex, &faces[face as usize], |felt| {
+                            *feels = true;
                             let [x, y, z] = felt.force;
                             let [u, v, w] = felt.turn;
                             let terms = [felt.potential, x, y, z, u, v, w];
@@ -213,18 +250,18 @@ impl<T: Real> Repulsion<T> {
                             }
                             if has_forces {
                                 let corners = felt.corners.map(|force| scale(area, force));
-                                reactions.push((face as u32, corners));
+                                reactions.push((face, corners));
                             }
                         });
-                    };
-                    pairs
-                        .cells
-                        .each_near(face_places, near_vertices, place, meet);
+                    }
                 }
             });
             let left = vertices.len() - block;
             let of_bundle = bundles[..count].iter().flat_map(|bundle| bundle.sums);
             sums.extend(of_bundle.take(left));
+            let feeling = bundles[..count].iter().flat_map(|bundle| bundle.feels);
+            let feeling = feeling.take(left).enumerate().filter(|(_, feels)| *feels);
+            moved.extend(feeling.map(|(k, _)| (block + k) as u32));
             if let Some(forces) = &mut forces {
                 let reactions = bundles[..count].iter().flat_map(|bundle| &bundle.reactions);
                 for (face, reaction) in reactions {
@@ -245,7 +282,11 @@ impl<T: Real> Repulsion<T> {
                 }
             }
         }
-        let energy = execution.sum(vertices.len(), |k| vertices[k].area * sums[k][0]);
+        // Only those within the range: how a sum is grouped must not depend on the list.
+        let energy = execution.sum(moved.len(), |k| {
+            let k = moved[k] as usize;
+            vertices[k].area * sums[k][0]
+        });
         // Of surfaces that touch, infinite terms may have met with both signs.
         let energy = if energy.is_nan() {
             T::infinity()
@@ -296,39 +337,41 @@ impl<T: Real> Interaction<T> for Repulsion<T> {
             return T::zero();
         };
         let RepulsionMemory {
-            vertices,
+            nearby,
             sums,
+            moved,
             weights,
-            begins,
-            normals,
             ..
         } = memory;
+        let (vertices, normals) = (nearby.vertices.as_slice(), nearby.normals.as_slice());
         let zero = T::zero();
         let push = self.half_push();
         let half_potential = self.half_potential();
-        for (k, (surface, force)) in surfaces.iter().zip(forces).enumerate() {
-            let felt = || {
-                let both = vertices.iter().zip(&*sums);
-                both.filter(|(vertex, sum)| vertex.surface as usize == k && sum[0] != zero)
-            };
-            if felt().next().is_none() {
-                continue;
-            }
+        let mut moved = moved.as_slice();
+        while let Some(&first) = moved.first() {
+            let number = vertices[first as usize].surface;
+            let own = moved.partition_point(|&k| vertices[k as usize].surface == number);
+            let (felt, rest) = moved.split_at(own);
+            moved = rest;
+            let number = number as usize;
+            let (surface, force) = (surfaces[number], &mut *forces[number]);
             weights.clear();
             weights.resize(surface.positions().len(), [zero; 4]);
-            for (near, &[potential, x, y, z, u, v, w]) in felt() {
+            for &k in felt {
+                let (near, [potential, x, y, z, u, v, w]) =
+                    (&vertices[k as usize], sums[k as usize]);
                 let vertex = near.vertex as usize;
                 weights[vertex][3] = -half_potential * potential;
                 force[vertex] = add(force[vertex], scale(push * near.area, [x, y, z]));
                 if self.parts {
-                    let [a, b, c, over] = normals[begins[k] + vertex];
+                    let [a, b, c, over] = normals[nearby.begins[number] + vertex];
                     let across = sub([u, v, w], scale(dot([u, v, w], [a, b, c]), [a, b, c]));
                     let turn = scale((half_potential + half_potential) * near.area * over, across);
                     weights[vertex][..3].copy_from_slice(&turn);
                 }
             }
             let triangles = surface.mesh().triangles();
-            execution.scatter(&AreaVectorForce, *surface, triangles, weights, force);
+            execution.scatter(&AreaVectorForce, surface, triangles, weights, force);
         }
         energy
     }

@@ -1,9 +1,11 @@
 //! Repulsion of surfaces against a double loop over all pairs, its gradient, and its limits.
 
 mod images;
+mod kept;
 mod parts;
 
 use autodiff::F1;
+use helfrich::interaction::RepulsionMemory;
 use helfrich::{Images, Interaction, Real, Repulsion, Serial, Surface, VertexKind};
 use helfrich_std::execute::Parallel;
 use helfrich_tests::laws::{largest, with_derivatives};
@@ -41,14 +43,23 @@ fn evaluate<T: Real>(
     meshes: &[Mesh],
     positions: &[Positions<T>],
 ) -> (T, Vec<Positions<T>>) {
+    evaluate_with(&mut Default::default(), repulsion, meshes, positions)
+}
+
+/// The same with this memory.
+fn evaluate_with<T: Real>(
+    memory: &mut RepulsionMemory<T>,
+    repulsion: Repulsion<T>,
+    meshes: &[Mesh],
+    positions: &[Positions<T>],
+) -> (T, Vec<Positions<T>>) {
     let surfaces = meshes.iter().zip(positions);
     let surfaces = surfaces.map(|(mesh, x)| Surface::new(&mesh.connectivity, x).unwrap());
     let surfaces = Vec::from_iter(surfaces);
     let mut forces = Vec::from_iter(positions.iter().map(|x| vec![[T::zero(); 3]; x.len()]));
     let mut slices = Vec::from_iter(forces.iter_mut().map(Vec::as_mut_slice));
-    let mut memory = Default::default();
-    let energy = repulsion.add_force_and_energy(&Serial, &surfaces, &mut memory, &mut slices);
-    let alone = repulsion.energy(&Serial, &surfaces, &mut memory);
+    let energy = repulsion.add_force_and_energy(&Serial, &surfaces, memory, &mut slices);
+    let alone = repulsion.energy(&Serial, &surfaces, memory);
     assert_eq!(alone, energy, "with and without forces");
     (energy, forces)
 }
