@@ -807,7 +807,7 @@ _helfrich() {
             return 0
             ;;
         helfrich__subcmd__sweep)
-            opts="-h --set --threads --out --vary --columns --resume --jobs --help"
+            opts="-h --set --threads --out --vary --columns --resume --part --jobs --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -830,6 +830,10 @@ _helfrich() {
                     return 0
                     ;;
                 --columns)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --part)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;

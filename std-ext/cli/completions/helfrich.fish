@@ -146,6 +146,7 @@ complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -l threads -d '
 complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -l out -d 'Output folder, with a subfolder for each run' -r -F
 complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -l vary -d 'A key and its values, as in `surface.0.bending.method=meyer,juelicher`; may be repeated, and the last key varies fastest. Commas inside brackets, braces and quotation marks belong to a value' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -l columns -d 'Columns of the series to show and to plot; by default those of the scene\'s plots' -r
+complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -l part -d 'Run only the Kth of N parts: every Nth combination from the Kth on. Other processes, also on other machines, may run other parts in the same folder at the same time; the same command with `--resume` and without this compares all runs' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -l jobs -d 'Number of simultaneous runs, from 1 to 1024, which share the threads equally. As many jobs as threads suit runs with small meshes' -r
 complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -l resume -d 'Continue the runs in the folder; runs that have ended are skipped'
 complete -c helfrich -n "__fish_helfrich_using_subcommand sweep" -s h -l help -d 'Print help'

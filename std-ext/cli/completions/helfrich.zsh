@@ -186,6 +186,7 @@ _arguments "${_arguments_options[@]}" : \
 '--out=[Output folder, with a subfolder for each run]:OUT:_files' \
 '*--vary=[A key and its values, as in \`surface.0.bending.method=meyer,juelicher\`; may be repeated, and the last key varies fastest. Commas inside brackets, braces and quotation marks belong to a value]:PATH=VALUE,VALUE:_default' \
 '*--columns=[Columns of the series to show and to plot; by default those of the scene'\''s plots]:COLUMNS:_default' \
+'--part=[Run only the Kth of N parts\: every Nth combination from the Kth on. Other processes, also on other machines, may run other parts in the same folder at the same time; the same command with \`--resume\` and without this compares all runs]:K/N:_default' \
 '--jobs=[Number of simultaneous runs, from 1 to 1024, which share the threads equally. As many jobs as threads suit runs with small meshes]:N:_default' \
 '--resume[Continue the runs in the folder; runs that have ended are skipped]' \
 '-h[Print help]' \

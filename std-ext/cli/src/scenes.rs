@@ -7,7 +7,7 @@ use helfrich_std::report;
 use helfrich_std::run::{End, check, run};
 use helfrich_std::scene::{Overrides, SHIPPED, Scene, SceneFile, ShippedScene, shipped_files};
 use helfrich_std::simulation::{Simulation, build};
-use helfrich_std::sweep::{Outcome, Sweep, Vary};
+use helfrich_std::sweep::{Outcome, Part, Sweep, Vary};
 use std::fs;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -65,6 +65,10 @@ pub(crate) struct SweepArguments {
     /// Continue the runs in the folder; runs that have ended are skipped.
     #[arg(long)]
     resume: bool,
+    /// Run only the Kth of N parts: every Nth combination from the Kth on. Other processes, also on other machines, may run
+    /// other parts in the same folder at the same time; the same command with `--resume` and without this compares all runs.
+    #[arg(long, value_name = "K/N")]
+    part: Option<Part>,
     /// Number of simultaneous runs, from 1 to 1024, which share the threads equally. As many jobs as
     /// threads suit runs with small meshes.
     #[arg(long, value_name = "N", default_value = "1", value_parser = threads)]
@@ -174,6 +178,7 @@ pub(crate) fn sweep(arguments: &SweepArguments) -> Result<(), Failure> {
         vary: arguments.vary.clone(),
         columns: arguments.columns.clone(),
         jobs: arguments.jobs,
+        part: arguments.part,
     };
     let stop = interruption();
     let mut bar = ProgressBar::default();

@@ -11,13 +11,18 @@
 //!   ended unresolved, stagnated, or at the limit of iterations.
 //!
 //! A failed run is recorded, and the next one starts.
+//!
+//! A [`Part`] of a sweep has a table of its own, `sweep-K-of-N.csv`, and no plots. Other processes may run other parts in the
+//! same folder. Afterwards a whole sweep that resumes compares all runs.
 
 mod board;
 mod dependence;
+mod part;
 mod table;
 mod vary;
 
 pub use dependence::{Crossing, Dependence};
+pub use part::{Part, PartSyntaxError};
 pub use vary::{Vary, VarySyntaxError};
 
 use crate::lock::{Lock, LockError};
@@ -55,6 +60,8 @@ pub struct Sweep {
     pub columns: Vec<String>,
     /// The number of simultaneous runs; each has its share of the available threads.
     pub jobs: NonZeroUsize,
+    /// The part of the combinations that is run; all if there is none.
+    pub part: Option<Part>,
 }
 
 /// One combination.
@@ -171,7 +178,7 @@ pub struct Swept {
     pub unknown: Vec<String>,
     /// All columns of all runs.
     pub known: Vec<String>,
-    /// In the order of [`Sweep::cases`].
+    /// Those of the part, in the order of [`Sweep::cases`].
     pub cases: Vec<(Case, Outcome)>,
     /// Further warnings, for example about published curves that cannot be read.
     pub warnings: Vec<String>,
@@ -235,7 +242,7 @@ struct Summary {
 }
 
 impl Sweep {
-    /// All combinations.
+    /// All combinations, of all parts.
     ///
     /// # Errors
     /// If a key varies twice, or there are too many.
@@ -283,7 +290,7 @@ impl Sweep {
         Ok(SceneFile::read(&self.scene, &overrides))
     }
 
-    /// Runs all combinations in a folder, [`jobs`](Self::jobs) at once. With `resume`, continues existing
+    /// Runs the combinations of the part in a folder, [`jobs`](Self::jobs) at once. With `resume`, continues existing
     /// runs and skips those that have ended. The table and the plots are written after every run, in
     /// the order of [`cases`](Self::cases).
     ///
@@ -300,7 +307,14 @@ impl Sweep {
         interrupted: &(dyn Fn() -> bool + Sync),
         progress: &mut (dyn FnMut(&SweepProgress<'_>) + Send),
     ) -> Result<Swept, SweepError> {
-        let cases = self.cases()?;
+        let mut cases = self.cases()?;
+        if let Some(part) = self.part {
+            let mut numbers = 0..;
+            cases.retain(|_| numbers.next().is_some_and(|number| part.contains(number)));
+        }
+        let plots = png::IS_ENABLED && self.part.is_none();
+        let table = self.part.map_or_else(|| TABLE.to_owned(), Part::table);
+        let table = folder.join(table);
         let mut scene = None;
         let mut refused = None;
         for case in &cases {
@@ -324,10 +338,10 @@ impl Sweep {
             (None, None) => return Ok(Swept::new(self, Vec::new())),
         };
         if !resume {
-            let plots = scene.output.plots.iter().map(|plot| &plot.column);
-            let pictures = self.columns.iter().chain(plots);
+            let columns = scene.output.plots.iter().map(|plot| &plot.column);
+            let pictures = self.columns.iter().chain(columns).filter(|_| plots);
             let pictures = pictures.map(|column| folder.join(format!("{column}.png")));
-            let mut files = pictures.chain([folder.join(TABLE)]);
+            let mut files = pictures.chain([table.clone()]);
             if let Some(path) = files.find(|path| path.symlink_metadata().is_ok()) {
                 return Err(SweepError::Foreign { path });
             }
@@ -336,7 +350,11 @@ impl Sweep {
             path: folder.to_owned(),
             source,
         })?;
-        let lock = Lock::of_folder(folder)?;
+        let lock = match self.part {
+            None => Lock::of_folder(folder)?,
+            // The folders of runs have locks of their own.
+            Some(_) => Lock::of_file(&table)?,
+        };
         let waiting = cases.into_iter().map(|case| (case, Outcome::Waiting));
         let mut swept = Swept::new(self, waiting.collect());
         swept.warnings.extend(lock.warning().map(str::to_owned));
@@ -369,8 +387,8 @@ impl Sweep {
             };
             board.enter(at, outcome, |swept| {
                 swept.choose(&self.columns, &scene);
-                swept.write_table(&folder.join(TABLE))?;
-                match png::IS_ENABLED {
+                swept.write_table(&table)?;
+                match plots {
                     true => swept.plot(folder, &scene, &published),
                     false => Ok(()),
                 }

@@ -406,3 +406,45 @@ fn interrupt_and_resume(jobs: &str, whole: &Sweep) {
         assert_eq!(whole, stopped, "{name}");
     }
 }
+
+/// Parts in one folder, also at the same time, are disjoint and make up the whole; then the whole compares what they have
+/// made, and makes nothing anew.
+#[test]
+fn parts_make_up_the_whole() {
+    let sweep = Sweep::new();
+    let all = [
+        "--vary",
+        METHODS,
+        "--vary",
+        MODULI,
+        "--set",
+        "driver.strain=0.1",
+    ];
+    let part = |part: &'static str| [&all[..], &["--part", part]].concat();
+    let [first, second] = std::thread::scope(|scope| {
+        let (sweep, part) = (&sweep, &part);
+        let jobs =
+            ["1/3", "2/3"].map(|number| scope.spawn(move || sweep.ends(0, &part(number)).stdout));
+        jobs.map(|job| job.join().unwrap())
+    });
+    let runs = |stdout: &str| stdout.matches("completed").count();
+    assert_eq!([runs(&first), runs(&second)], [2, 1], "{first}{second}");
+    assert!(!sweep.out.join("sweep.csv").exists());
+    assert!(!sweep.out.join("deformation.png").exists());
+    let before = files(&sweep.out);
+    assert!(before.contains_key(&sweep.out.join("sweep-2-of-3.csv")));
+    sweep.ends(0, &[&all[..], &["--resume"]].concat());
+    assert_eq!(sweep.table().len(), 5);
+    assert!(sweep.out.join("deformation.png").exists());
+    let after = files(&sweep.out);
+    let same = |(path, content): (&PathBuf, &Vec<u8>)| after.get(path) == Some(content);
+    assert!(before.iter().all(same), "a run was made again");
+    // More parts than combinations: nothing to do.
+    let none = sweep.ends(0, &part("9/9"));
+    assert_eq!(runs(&none.stdout), 0, "{}", none.stdout);
+    for wrong in ["0/3", "4/3", "1", "1/0", "a/b"] {
+        let refused = sweep.ends(2, &[&all[..], &["--part", wrong]].concat());
+        assert!(refused.stderr.contains("3/8"), "{}", refused.stderr);
+    }
+    assert!(sweep.ends(2, &part("1/3")).stderr.contains("--resume"));
+}

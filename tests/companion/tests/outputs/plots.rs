@@ -450,6 +450,7 @@ fn sweeps_have_hollow_marks_for_runs_without_an_equilibrium() {
         vary: vec!["surface.0.bending.modulus=1,2".parse().unwrap()],
         columns: vec!["energy".to_owned()],
         jobs: NonZeroUsize::MIN,
+        part: None,
     };
     let out = folder.path().join("out");
     let swept = sweep.run(&out, false, &|| false, &mut |_| ()).unwrap();
