@@ -46,7 +46,7 @@ def test_the_table_has_every_function_and_the_package_what_the_table_has(table):
         assert ("c" in entry) != ("c_absent" in entry), name
         assert "python" not in entry or hasattr(helfrich, entry["python"]), name
     assert set(functions()) <= {entry.get("python") for entry in listed.values()}
-    assert len(functions()) == 23
+    assert len(functions()) == 24
 
 
 def test_the_table_has_the_symbols_of_the_header(table):
