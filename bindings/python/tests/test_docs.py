@@ -141,12 +141,14 @@ def test_the_guide_names_every_function():
         assert re.search(rf"\b{name}\b", text), name
 
 
-def test_the_example_of_the_package_runs():
+def test_the_example_of_the_package_runs(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     text = (ROOT / "bindings" / "python" / "README.md").read_text(encoding="utf-8")
     (block,) = re.findall(r"^```python\n(.*?)^```", text, re.M | re.S)
     with contextlib.redirect_stdout(io.StringIO()) as printed:
         exec(compile(block, "README.md", "exec"), {})
     assert "is within" in printed.getvalue()
+    assert (tmp_path / "H.png").read_bytes()[1:4] == b"PNG"
 
 
 def test_flags_are_those_of_the_library():
