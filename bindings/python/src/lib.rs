@@ -10,6 +10,7 @@ mod failure;
 mod membrane;
 mod meshes;
 mod operators;
+mod pictures;
 mod recommendation;
 mod scenes;
 mod smooth_surface;
@@ -69,6 +70,8 @@ mod _helfrich {
     };
     #[pymodule_export]
     use super::operators::{gradient, laplacian, stiffness};
+    #[pymodule_export]
+    use super::pictures::picture;
     #[pymodule_export]
     use super::recommendation::recommend;
     #[pymodule_export]

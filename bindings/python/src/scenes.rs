@@ -7,7 +7,7 @@ use helfrich::TriangleMesh;
 use helfrich_std::run::{Progress, RunError, Summary};
 use helfrich_std::scene::{Overrides, SceneFile};
 use helfrich_std::series::SeriesTable;
-use helfrich_std::simulation::{Simulation, build};
+use helfrich_std::simulation::{Body, build};
 use numpy::PyArray1;
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
@@ -22,9 +22,8 @@ struct Part {
     vertices: Range<usize>,
 }
 
-fn parts(simulation: &Simulation) -> Vec<Part> {
-    let bodies = simulation.bodies().iter();
-    let part = bodies.map(|body| Part {
+fn parts(bodies: &[Body]) -> Vec<Part> {
+    let part = bodies.iter().map(|body| Part {
         name: body.name().to_owned(),
         mesh: body.mesh().clone(),
         vertices: body.vertices(),
@@ -122,7 +121,7 @@ fn ran(
     };
     let file = file.map_err(invalid)?;
     let (simulation, positions) = build(&file).map_err(invalid)?;
-    let parts = parts(&simulation);
+    let mut surfaces = parts(simulation.bodies());
     let mut last = positions.clone();
     let ends = std::cell::Cell::new(false);
     let summary = helfrich_std::run::run(
@@ -132,9 +131,14 @@ fn ran(
         resume,
         &|| ends.get(),
         &mut |progress| {
-            last.copy_from_slice(progress.positions);
+            last.clear();
+            last.extend_from_slice(progress.positions);
+            let meshes = progress.bodies.iter().map(Body::mesh);
+            if meshes.ne(surfaces.iter().map(|part| &part.mesh)) {
+                surfaces = parts(progress.bodies);
+            }
             if !ends.get() {
-                ends.set(watch(&parts, progress));
+                ends.set(watch(&surfaces, progress));
             }
         },
     );
@@ -145,5 +149,5 @@ fn ran(
             invalid(error)
         }
     })?;
-    Ok((summary, parts, last))
+    Ok((summary, surfaces, last))
 }

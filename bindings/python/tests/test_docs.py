@@ -46,7 +46,7 @@ def test_the_table_has_every_function_and_the_package_what_the_table_has(table):
         assert ("c" in entry) != ("c_absent" in entry), name
         assert "python" not in entry or hasattr(helfrich, entry["python"]), name
     assert set(functions()) <= {entry.get("python") for entry in listed.values()}
-    assert len(functions()) == 23
+    assert len(functions()) == 24
 
 
 def test_the_table_has_the_symbols_of_the_header(table):
@@ -141,12 +141,14 @@ def test_the_guide_names_every_function():
         assert re.search(rf"\b{name}\b", text), name
 
 
-def test_the_example_of_the_package_runs():
+def test_the_example_of_the_package_runs(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     text = (ROOT / "bindings" / "python" / "README.md").read_text(encoding="utf-8")
     (block,) = re.findall(r"^```python\n(.*?)^```", text, re.M | re.S)
     with contextlib.redirect_stdout(io.StringIO()) as printed:
         exec(compile(block, "README.md", "exec"), {})
     assert "is within" in printed.getvalue()
+    assert (tmp_path / "H.png").read_bytes()[1:4] == b"PNG"
 
 
 def test_flags_are_those_of_the_library():

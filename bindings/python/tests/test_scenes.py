@@ -92,6 +92,17 @@ def test_callback():
         helfrich.run(VESICLE, callback=failing)
 
 
+def test_a_new_mesh_during_the_run():
+    """Positions of the callback and the end have the vertices of the new mesh."""
+    scene = {**VESICLE, "surface": [{**VESICLE["surface"][0], "remesh": {"vertices": 300}}]}
+    seen = []
+    run = helfrich.run(scene, callback=lambda *progress: seen.append(progress[2]["vesicle"]))
+    V, F = run.surfaces["vesicle"]
+    assert run.series["remeshings"][-1] > 0 and len(V) == len(seen[-1]) == 300
+    assert helfrich.check(V, F).problems == [] and F.max() == 299
+    np.testing.assert_array_equal(seen[-1], V)
+
+
 def test_resume(tmp_path):
     steps = []
     helfrich.run(VESICLE, out=tmp_path / "run", callback=lambda *_: steps.append(1) or len(steps) < 4)

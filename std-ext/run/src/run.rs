@@ -93,6 +93,8 @@ pub struct Progress<'a> {
     pub message: &'a str,
     /// The positions of all surfaces, one after the other.
     pub positions: &'a [[f64; 3]],
+    /// The surfaces; after a new mesh or a change of topology they have others than at the start.
+    pub bodies: &'a [Body],
 }
 
 /// Runs a scene that was prepared by [`build`](crate::simulation::build) in a folder, which is
@@ -348,6 +350,7 @@ impl Run<'_> {
                 fraction,
                 message: &message,
                 positions: self.drive.positions(),
+                bodies: self.simulation.bodies(),
             });
             if step.output
                 && let Some(message) = self.write(step.end.is_some())?

@@ -37,6 +37,7 @@ from ._meshes import (
     write,
 )
 from ._operators import gradient, laplacian
+from ._pictures import picture
 from ._scenes import Run, run
 from ._surfaces import Remeshed, Smoothed, Surface, SurfacePoints, remesh, smooth, surface
 
@@ -72,6 +73,7 @@ __all__ = [
     "gradient",
     "laplacian",
     "mean_curvature",
+    "picture",
     "read",
     "recommend",
     "repair",

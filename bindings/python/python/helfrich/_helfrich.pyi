@@ -80,6 +80,24 @@ def stiffness(
 ) -> Tuple[_Sparse, Optional[np.ndarray], Optional[_Sparse]]: ...
 def laplacian(positions: Any, faces: Any, method: str) -> Tuple[_Sparse, np.ndarray, None]: ...
 def gradient(positions: Any, faces: Any) -> np.ndarray: ...
+def picture(
+    positions: Any,
+    faces: Any,
+    *,
+    values: Optional[np.ndarray],
+    error: Optional[np.ndarray],
+    directions: Optional[Tuple[np.ndarray, np.ndarray]],
+    limits: Optional[Tuple[float, float]],
+    diverging: Optional[bool],
+    label: str,
+    title: str,
+    edges: bool,
+    view: List[float],
+    up: List[float],
+    unit: Optional[str],
+    size: Tuple[int, int],
+    path: Optional[str],
+) -> np.ndarray: ...
 def recommend(
     positions: Any,
     faces: Any,
