@@ -250,7 +250,7 @@ impl CellStudy {
         Ok(kept)
     }
 
-    /// Values of a method at the vertices of a sector of a twelfth of the mesh, mirrored into one.
+    /// Values of a method at the vertices near a meridian, mirrored into one eighth of the mesh.
     fn along(&self, fields: &ErrorFields, method: AnyMethod, options: MethodOptions) -> Vec<Node> {
         let mesh = &fields.mesh;
         let Ok(surface) = Surface::new(&mesh.mesh, &mesh.positions) else {
@@ -318,8 +318,8 @@ impl CellStudy {
 /// A quarter of a turn: the angle from the pole to the rim.
 const QUARTER: f64 = std::f64::consts::FRAC_PI_2;
 
-/// The azimuth, mirrored into a quarter, up to which vertices are shown.
-const SECTOR: f64 = std::f64::consts::PI / 6.0;
+/// The azimuth, mirrored into a quarter, up to which vertices are shown: they are a twelfth of all.
+const SECTOR: f64 = std::f64::consts::PI / 24.0;
 
 /// Number of parts of the exact meridian: chords are shorter than arcs by 1e-6 of them.
 const STEPS: usize = 1024;

@@ -23,6 +23,8 @@ pub struct Steady {
     pub bending: f64,
     /// Taylor deformation.
     pub deformation: f64,
+    /// The error of this number: of digitising a figure, or of the computation; 0 of a formula.
+    pub error: f64,
 }
 
 /// A row of `capsules.csv`, which an independent prototype has computed.
@@ -61,6 +63,36 @@ pub fn prototype() -> Vec<Computed> {
     lines.filter_map(row).collect()
 }
 
+/// Meshes of [`prototype`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mesh {
+    /// 1280 triangles.
+    Coarse,
+    /// 5120 triangles.
+    Fine,
+    /// Extrapolated from both.
+    Extrapolated,
+}
+
+/// The neo-Hookean capsules of [`prototype`] on one mesh.
+pub fn computed(mesh: Mesh) -> impl Iterator<Item = Steady> {
+    let on = match mesh {
+        Mesh::Coarse => "1280 triangles",
+        Mesh::Fine => "5120 triangles",
+        Mesh::Extrapolated => "extrapolated",
+    };
+    let own = prototype().into_iter();
+    let own = own.filter(|row| row.law == "neo-hookean");
+    own.map(move |row| Steady {
+        source: format!("prototype of boundary integrals, independent, {on}"),
+        from: "capsules.csv",
+        capillary: row.capillary,
+        bending: row.bending,
+        deformation: row.deformations[mesh as usize],
+        error: COMPUTED,
+    })
+}
+
 /// All published steady deformations, the article's first of each pair of parameters.
 pub fn steady() -> Vec<Steady> {
     let of = |curve: &PublishedCurve, from, [capillary, deformation]: [f64; 2], bending| Steady {
@@ -69,6 +101,7 @@ pub fn steady() -> Vec<Steady> {
         capillary,
         bending,
         deformation,
+        error: DIGITISED,
     };
     let mut found = Vec::new();
     for curve in published() {
@@ -96,23 +129,14 @@ pub fn steady() -> Vec<Steady> {
             found.extend(points.map(|&point| of(&curve, from, point, bending)));
         }
     }
-    let computed = prototype().into_iter();
-    found.extend(computed.filter(|row| row.law == "neo-hookean").map(|row| {
-        let [.., deformation] = row.deformations;
-        Steady {
-            source: "independent prototype, boundary integrals, extrapolated".to_owned(),
-            from: "capsules.csv",
-            capillary: row.capillary,
-            bending: row.bending,
-            deformation,
-        }
-    }));
+    found.extend(computed(Mesh::Extrapolated));
     found.push(Steady {
         source: "theory of small deformations, Barthès-Biesel and Rallison 1981".to_owned(),
         from: "(25/12) Ca/(1 + 11 κ/(a²G))",
         capillary: CAPILLARY_NUMBER,
         bending: BENDING,
         deformation: 25.0 / 12.0 * CAPILLARY_NUMBER / (1.0 + 11.0 * BENDING),
+        error: 0.0,
     });
     found
 }

@@ -26,6 +26,8 @@ pub struct Deviation {
     pub largest: f64,
     /// γ̇t of that point of the curve.
     pub at: f64,
+    /// The shift of γ̇t that would make as large a difference there, by the slope of the run.
+    pub shift: f64,
     /// The difference at the last point of the curve that the run reaches.
     pub last: f64,
     /// γ̇t of that point.
@@ -39,22 +41,20 @@ pub fn deviation(row: &FlowRow, curve: &PublishedCurve) -> Option<Deviation> {
         let after = row.transient.iter().position(|point| point[0] >= strain)?;
         let [x1, y1] = row.transient[after];
         let [x0, y0] = row.transient[after.saturating_sub(1)];
-        let share = if x1 > x0 {
-            (strain - x0) / (x1 - x0)
-        } else {
-            0.0
-        };
-        Some([strain, y0 + share * (y1 - y0) - value])
+        let slope = if x1 > x0 { (y1 - y0) / (x1 - x0) } else { 0.0 };
+        let difference = y0 + slope * (strain - x0) - value;
+        Some([strain, difference, (difference / slope).abs()])
     };
     let differences = Vec::from_iter(curve.points.iter().filter_map(difference));
-    let size = |pair: &[f64; 2]| pair[1].abs();
-    let &[at, largest] = differences
+    let size = |found: &[f64; 3]| found[1].abs();
+    let &[at, largest, shift] = differences
         .iter()
         .max_by(|a, b| size(a).total_cmp(&size(b)))?;
-    let &[last_at, last] = differences.last()?;
+    let &[last_at, last, _] = differences.last()?;
     Some(Deviation {
         largest,
         at,
+        shift,
         last,
         last_at,
     })

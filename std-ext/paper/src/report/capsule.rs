@@ -11,6 +11,9 @@ use std::io::{self, Write};
 /// Style of published results: one that no method has.
 pub(super) const PUBLISHED: usize = svg::COLOURS.len() - 1;
 
+/// Range of the figure of inclinations, in degrees: from 45°, that of small deformations, down.
+const ANGLES: [f64; 2] = [32.0, 46.0];
+
 /// Whether a run has the parameters of the article.
 pub(super) fn is_of_article(row: &FlowRow) -> bool {
     (row.case.capillary, row.case.bending) == (CAPILLARY_NUMBER, BENDING)
@@ -167,10 +170,17 @@ fn chart(rows: &[FlowRow], symbol: &str, values: fn(&FlowRow) -> &[[f64; 2]]) ->
     };
     Chart {
         title: format!("{title} of a capsule in shear flow over the strain"),
-        axes: ["strain γ̇t", label].map(|label| Axis {
-            label: label.to_owned(),
-            ..Axis::default()
-        }),
+        axes: [
+            Axis {
+                label: "strain γ̇t".to_owned(),
+                ..Axis::default()
+            },
+            Axis {
+                label: label.to_owned(),
+                range: is_angle.then_some(ANGLES),
+                ..Axis::default()
+            },
+        ],
         curves,
         guides: Vec::new(),
     }

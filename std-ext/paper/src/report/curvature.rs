@@ -25,8 +25,8 @@ pub(super) fn section(cell: &Cell<'_>, about: &str) -> io::Result<Section> {
     writeln!(
         out,
         "<section id=\"curvature\"><h2>Curvature and force on a red blood cell</h2><p>Mean curvature H, its Laplacian Δ<sub>S</sub>H and the force density f \
-         on the exact discocyte, whose values are known by formula. B has Voronoi areas and D the bandwidth as published; all other methods have one form. \
-         G and J are not in the article.</p>"
+         on the exact discocyte, whose values are known by formula. Options are those of the publications: B with Voronoi areas, C with mixed ones, D with the mixed area \
+         of each vertex as bandwidth. G and J are not in the article.</p>"
     )?;
     let mut errors = convergence_section(cell.rows, &verdicts, &QUANTITIES, about)?;
     out.append(&mut errors.html);
@@ -46,8 +46,8 @@ fn at_nodes(cell: &Cell<'_>, out: &mut dyn Write) -> io::Result<()> {
     };
     writeln!(
         out,
-        "<h2 id=\"nodes\">Where it does not converge</h2><p>The largest errors at N = {}. “None converges at all nodes” is a statement about a few of them: \
-         on regular meshes about the twelve vertices with five neighbours.</p>",
+        "<h2 id=\"nodes\">Where it does not converge</h2><p>“None converges at all nodes” is about the worst of them. At N = {} the tables say \
+         which these are, and how many vertices are far off.</p>",
         count(first.vertices)
     )?;
     let families = cell.nodes.chunk_by(|a, b| a.family == b.family);

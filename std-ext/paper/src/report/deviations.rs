@@ -2,11 +2,10 @@
 
 use super::capsule::{is_of_article, solver};
 use super::{Page, converging};
-use crate::flow::{
-    BENDING, CAPILLARY_NUMBER, Deviation, FlowRow, Solver, boxes, deviation, published, resolved,
-};
-use crate::literature::{COMPUTED, DIGITISED, Steady, steady};
+use crate::flow::{Deviation, FlowRow, Solver, boxes, deviation, published, resolved};
+use crate::literature::{COMPUTED, DIGITISED, Mesh, computed, steady};
 use helfrich_study::report::page::text::{Table, count, csv_line, digits, escaped};
+use helfrich_study::study::Row;
 use std::io::{self, Write};
 
 /// The largest part of D by which a result may differ and still be called near.
@@ -41,29 +40,33 @@ impl Agreement {
         }
     }
 
-    fn in_words(self, part: f64, error: f64) -> String {
-        let part = digits(100.0 * part.abs());
+    fn word(self) -> &'static str {
         match self {
-            Self::Agrees => format!("agrees within ±{error}, the error of the published value"),
-            Self::Near => format!("near: {part} % off, more than the published error of ±{error}"),
-            Self::Differs => format!("differs by {part} %"),
+            Self::Agrees => "agrees",
+            Self::Near => "near",
+            Self::Differs => "differs",
         }
     }
 }
 
-/// A cell with the judgement of a difference from `value`.
-fn verdict(difference: f64, value: f64, error: f64, why: &str) -> String {
-    let agreement = Agreement::of(difference, value, error);
-    format!(
-        "<b class=\"{}\">{}</b>{}",
-        agreement.class(),
-        agreement.in_words(difference / value, error),
-        if why.is_empty() || agreement == Agreement::Agrees {
-            String::new()
-        } else {
-            format!(" <span>{why}</span>")
-        }
-    )
+/// The verdict on the largest difference from a curve that ends at `value`, and on that at its end.
+fn verdict(found: &Deviation, value: f64, error: f64) -> String {
+    let [largest, last] =
+        [found.largest, found.last].map(|difference| Agreement::of(difference, value, error));
+    let part = |difference: f64| format!("{} %", digits(100.0 * (difference / value).abs()));
+    let (agreement, text) = match (largest, last) {
+        (Agreement::Agrees, _) => (largest, "agrees".to_owned()),
+        (_, Agreement::Agrees) => (
+            Agreement::Near,
+            format!(
+                "agrees at the end; {} off at γ̇t = {}",
+                part(found.largest),
+                found.at
+            ),
+        ),
+        (_, last) => (last, format!("{}: {} off", last.word(), part(found.last))),
+    };
+    format!("<b class=\"{}\">{text}</b>", agreement.class())
 }
 
 /// A difference with its sign.
@@ -71,42 +74,74 @@ fn signed(difference: f64) -> String {
     format!("{difference:+.4}").replace('-', "−")
 }
 
-/// The reason why a run may differ from the article's.
-fn reason(row: &FlowRow) -> &'static str {
-    match row.case.solver {
-        Solver::LatticeBoltzmann { .. } => {
-            "walls and the thickness of the membrane on the lattice raise D: see the extrapolated row"
-        }
-        Solver::BoundaryIntegral => match row.case.method.letter() {
-            Some("A") => "its energy is another one on meshes that are not equilateral",
-            _ if row.case.vertices < 642 => "the mesh is coarser than the article’s",
-            _ => "",
-        },
-    }
-}
+/// Number of columns.
+const COLUMNS: usize = 7;
 
 struct Lines {
-    rows: Vec<Vec<String>>,
+    rows: Vec<[String; COLUMNS]>,
     csv: String,
 }
 
 impl Lines {
-    fn add(&mut self, cells: [String; 6], numbers: Option<Deviation>) {
-        if let Some(deviation) = numbers {
-            let quoted = [&cells[0], &cells[1]].map(|cell| format!("\"{}\"", plain(cell)));
+    fn add(&mut self, cells: [String; COLUMNS], numbers: Option<&Deviation>) {
+        if let Some(found) = numbers {
+            let quoted = [0, 1, 2].map(|cell| format!("\"{}\"", plain(&cells[cell])));
             csv_line(
                 &mut self.csv,
                 &[
                     &quoted[0],
                     &quoted[1],
-                    &deviation.largest,
-                    &deviation.at,
-                    &deviation.last,
-                    &deviation.last_at,
+                    &quoted[2],
+                    &found.largest,
+                    &found.at,
+                    &found.last,
+                    &found.last_at,
                 ],
             );
         }
-        self.rows.push(cells.to_vec());
+        self.rows.push(cells);
+    }
+
+    /// A row without published data.
+    fn missing(&mut self, result: &str, instead: &str) {
+        let [none, missing] = ["–", "not in this repository"].map(str::to_owned);
+        let cells = [
+            result.to_owned(),
+            none.clone(),
+            missing,
+            none.clone(),
+            none.clone(),
+            none,
+            instead.to_owned(),
+        ];
+        self.add(cells, None);
+    }
+
+    /// A row of a steady value.
+    fn steady(
+        &mut self,
+        [result, ours, published]: [String; 3],
+        [found, value, error]: [f64; 3],
+        strain: f64,
+    ) {
+        let difference = found - value;
+        let found_at = Deviation {
+            largest: difference,
+            at: strain,
+            shift: f64::NAN,
+            last: difference,
+            last_at: strain,
+        };
+        let cells = [
+            result,
+            ours,
+            published,
+            format!("{found:.4}"),
+            "–".to_owned(),
+            signed(difference),
+            verdict(&found_at, value, error),
+        ];
+        self.add(cells, Some(&found_at));
     }
 }
 
@@ -127,11 +162,9 @@ fn plain(cell: &str) -> String {
 
 /// The verdicts as text.
 pub(super) fn summary(page: &Page<'_>, out: &mut dyn Write) -> io::Result<()> {
-    for row in lines(page).rows {
-        if let [result, _, ours, .., verdict] = row.as_slice() {
-            let [result, ours, verdict] = [result, ours, verdict].map(|cell| plain(cell));
-            writeln!(out, "{result}: {ours}: {verdict}")?;
-        }
+    for [result, with, _, ours, _, _, verdict] in lines(page).rows {
+        let [result, with, ours, verdict] = [result, with, ours, verdict].map(|cell| plain(&cell));
+        writeln!(out, "{result}, {with}: {ours}: {verdict}")?;
     }
     Ok(())
 }
@@ -139,56 +172,44 @@ pub(super) fn summary(page: &Page<'_>, out: &mut dyn Write) -> io::Result<()> {
 fn lines(page: &Page<'_>) -> Lines {
     let mut lines = Lines {
         rows: Vec::new(),
-        csv: "result,published,largest_deviation,at_strain,deviation_at_end,end_strain\n"
+        csv: "result,ours,published,largest_difference,at_strain,difference_at_end,end_strain\n"
             .to_owned(),
     };
     if let Some(cell) = &page.cell {
         statement(cell.rows, &mut lines);
-        lines.add(
-            [
-                "H, Δ<sub>S</sub>H and f along the meridian, errors over refinement".to_owned(),
-                "the article’s curves: not in this repository".to_owned(),
-                "–".to_owned(),
-                "–".to_owned(),
-                "–".to_owned(),
-                "no published data here: compared with exact values".to_owned(),
-            ],
-            None,
+        lines.missing(
+            "H, Δ<sub>S</sub>H and f along the meridian, and their errors over refinement",
+            "compared with exact values below",
         );
     }
     if let Some(rows) = page.capsules {
         transients(rows, &mut lines);
         extrapolated(rows, &mut lines);
         others(rows, &mut lines);
-        lines.add(
-            [
-                "inclination θ(γ̇t), and D(γ̇t) on the article’s own lattice".to_owned(),
-                "the article’s curves: not in this repository".to_owned(),
-                "–".to_owned(),
-                "–".to_owned(),
-                "–".to_owned(),
-                "no published data here".to_owned(),
-            ],
-            None,
+        lines.missing(
+            "inclination θ(γ̇t); D(γ̇t) on the article’s own lattice",
+            "ours below, with nothing to compare",
         );
     }
     lines
 }
 
 pub(super) fn write(page: &Page<'_>, out: &mut dyn Write) -> io::Result<()> {
-    let lines = lines(page);
+    let Lines { rows, csv } = lines(page);
     writeln!(
         out,
         "<section id=\"deviations\"><h2>How far from what was published?</h2>\
-         <p>Each result that can be compared with a published value, with the largest difference and that at the end. \
-         “Agrees” means within the error of the published value (curves were read from figures within ±{DIGITISED}), “near” within {} % of the value.</p>",
+         <p>Every result that can be compared with a published one. <b>Agrees</b>: within the error of the published value, which is ±{DIGITISED} \
+         where it was read from a figure. <b>Near</b>: within {} % of the steady value. “C, S” is the curve D(γ̇t) of methods C and S in the article. \
+         Rows of runs say by how much γ̇t would have to be shifted for as large a difference.</p>",
         100.0 * NEAR
     )?;
     Table {
         caption: "Ours minus published".to_owned(),
         head: [
             "result",
-            "published",
+            "ours by",
+            "published by",
             "ours",
             "largest difference",
             "at the end",
@@ -196,39 +217,71 @@ pub(super) fn write(page: &Page<'_>, out: &mut dyn Write) -> io::Result<()> {
         ]
         .map(str::to_owned)
         .to_vec(),
-        rows: lines.rows,
-        csv: lines.csv,
+        rows: Vec::from_iter(rows.into_iter().map(Vec::from)),
+        csv,
     }
     .write("published-deviations", out)?;
+    notes(page, out)?;
     writeln!(out, "</section>")
 }
 
-/// The article's statement on convergence.
-fn statement(rows: &[helfrich_study::study::Row], lines: &mut Lines) {
-    for (family, methods) in converging(rows) {
-        let (class, verdict) = match methods.as_slice() {
-            [] => ("yes", "confirmed on these meshes"),
-            _ => (
-                "no",
-                "not so on these meshes: order p ≥ ½ of the largest error",
-            ),
-        };
-        let ours = match methods.as_slice() {
-            [] => "none of them does".to_owned(),
-            methods => format!("converges: {}", methods.join(", ")),
-        };
-        lines.add(
-            [
-                format!("f at every vertex of the red blood cell, {family} meshes"),
-                "of A, B, C, D, E and S none converges at all nodes <span>Guckenberger et al. 2016</span>".to_owned(),
-                ours,
-                "–".to_owned(),
-                "–".to_owned(),
-                format!("<b class=\"{class}\">{verdict}</b>"),
-            ],
-            None,
+/// Reasons of differences.
+fn notes(page: &Page<'_>, out: &mut dyn Write) -> io::Result<()> {
+    let Some(rows) = page.capsules else {
+        return Ok(());
+    };
+    let mut own = rows.iter().filter(|row| is_of_article(row));
+    let mut notes = Vec::new();
+    if own.clone().any(|row| row.case.method.letter() == Some("A")) {
+        notes.push("A: its energy depends on the shapes of the triangles, which change here.");
+    }
+    if own.any(|row| row.case.solver != Solver::BoundaryIntegral) {
+        notes.push(
+            "Lattice: nearby walls and the thickness of the membrane, a part of the distance of nodes, raise D. \
+             Runs in two boxes with two distances show how far; their extrapolation takes the first term of each.",
         );
     }
+    if page.quick {
+        notes.push("The quick form has meshes of 162 vertices, which are coarser than the article’s, and one lattice.");
+    }
+    writeln!(out, "<p class=\"note\">{}</p>", notes.join(" "))
+}
+
+/// The article's statement on convergence.
+fn statement(rows: &[Row], lines: &mut Lines) {
+    let found = converging(rows);
+    let finest = rows.iter().map(|row| row.vertices).max().unwrap_or(0);
+    let ours = found
+        .iter()
+        .map(|(family, methods)| match methods.as_slice() {
+            [] => format!("{family}: none"),
+            methods => format!("{family}: {}", methods.join(", ")),
+        });
+    let ours = Vec::from_iter(ours).join("; ");
+    let holds = |(family, methods): &(&'static str, Vec<_>)| methods.is_empty().then_some(*family);
+    let confirmed = Vec::from_iter(found.iter().filter_map(holds));
+    if found.is_empty() {
+        return;
+    }
+    let (class, verdict) = match confirmed.len() {
+        all if all == found.len() => ("yes", "confirmed on all these meshes".to_owned()),
+        0 => ("no", "not confirmed on these meshes".to_owned()),
+        _ => (
+            "near",
+            format!("confirmed on {} meshes only", confirmed.join(", ")),
+        ),
+    };
+    let cells = [
+        "methods of A, B, C, D, E, S whose f converges at all nodes of the red blood cell"
+            .to_owned(),
+        format!("N up to {}", count(finest)),
+        "the article: none".to_owned(),
+        ours,
+        "–".to_owned(),
+        "–".to_owned(),
+        format!("<b class=\"{class}\">{verdict}</b>"),
+    ];
+    lines.add(cells, None);
 }
 
 /// D over time of every run with the article's parameters.
@@ -238,33 +291,32 @@ fn transients(rows: &[FlowRow], lines: &mut Lines) {
     };
     let steady = curve.points.last().map_or(f64::NAN, |point| point[1]);
     for row in rows.iter().filter(|row| is_of_article(row)) {
-        let name = format!(
-            "D(γ̇t), {} <span>{}, N = {}</span>",
-            row.case.method.label(),
-            solver(row),
-            count(row.case.vertices)
-        );
-        let source = format!("{} <span>digitised</span>", escaped(&curve.name));
         let Some(found) = deviation(row, &curve) else {
             continue;
         };
         let cells = [
-            name,
-            source,
-            format!("D = {:.4}", row.deformation),
+            format!("D(γ̇t) of {}", escaped(row.case.method.label())),
             format!(
-                "{} <span>at γ̇t = {}</span>",
+                "{} <span>N = {}</span>",
+                solver(row),
+                count(row.case.vertices)
+            ),
+            "C, S".to_owned(),
+            format!("{:.4}", row.deformation),
+            format!(
+                "{} <span>at γ̇t = {}; a shift by {}</span>",
                 signed(found.largest),
-                found.at
+                found.at,
+                digits(found.shift)
             ),
             format!(
                 "{} <span>at γ̇t = {}</span>",
                 signed(found.last),
                 found.last_at
             ),
-            verdict(found.largest, steady, DIGITISED, reason(row)),
+            verdict(&found, steady, DIGITISED),
         ];
-        lines.add(cells, Some(found));
+        lines.add(cells, Some(&found));
     }
 }
 
@@ -275,78 +327,47 @@ fn extrapolated(rows: &[FlowRow], lines: &mut Lines) {
     let Some([_, value]) = curve.and_then(|curve| curve.points.last().copied()) else {
         return;
     };
+    let strain = own.first().map_or(f64::NAN, |row| row.case.strain);
     for found in resolved(&boxes(&own)) {
-        let difference = found.resolved - value;
         let [a, b] = found.resolutions;
-        lines.add(
+        lines.steady(
             [
-                format!("steady D, lattice, extrapolated <span>{a} and {b} nodes per radius, two boxes</span>"),
-                "Guckenberger et al. 2016, methods C and S <span>digitised</span>".to_owned(),
-                format!("D = {:.4}", found.resolved),
-                "–".to_owned(),
-                signed(difference),
-                verdict(difference, value, DIGITISED, "both extrapolations are of first terms only"),
+                "steady D of C".to_owned(),
+                format!("lattices, extrapolated <span>a = {a} and {b} h, two boxes</span>"),
+                "C, S".to_owned(),
             ],
-            Some(Deviation {
-                largest: difference,
-                at: f64::NAN,
-                last: difference,
-                last_at: f64::NAN,
-            }),
+            [found.resolved, value, DIGITISED],
+            strain,
         );
     }
 }
 
-/// Steady D of others for parameters of which there are runs with boundary integrals.
+/// Steady D of others for parameters of which there are runs with boundary integrals, and of the prototype on as many
+/// triangles; the review has those of the article's parameters.
 fn others(rows: &[FlowRow], lines: &mut Lines) {
-    for Steady {
-        source,
-        capillary,
-        bending,
-        deformation,
-        ..
-    } in steady()
-    {
-        let is_article = (capillary, bending) == (CAPILLARY_NUMBER, BENDING);
-        // The review has these.
-        if is_article {
-            continue;
-        }
+    let published = steady().into_iter();
+    let published = published.filter(|row| row.error != COMPUTED);
+    for published in published.chain(computed(Mesh::Coarse)) {
+        let parameters = (published.capillary, published.bending);
         let same = |row: &&FlowRow| {
             row.case.solver == Solver::BoundaryIntegral
-                && (row.case.capillary, row.case.bending) == (capillary, bending)
+                && !is_of_article(row)
+                && (row.case.capillary, row.case.bending) == parameters
         };
         let Some(row) = rows.iter().find(same) else {
             continue;
         };
-        let error = match source.contains("prototype") {
-            true => COMPUTED,
-            false => DIGITISED,
-        };
-        let difference = row.deformation - deformation;
-        lines.add(
+        lines.steady(
             [
+                format!("steady D, Ca = {}, no bending", published.capillary),
                 format!(
-                    "steady D, Ca = {capillary}, no bending <span>boundary integral, N = {}</span>",
+                    "boundary integral <span>N = {}</span>",
                     count(row.case.vertices)
                 ),
-                escaped(&source),
-                format!("D = {:.4}", row.deformation),
-                "–".to_owned(),
-                signed(difference),
-                verdict(
-                    difference,
-                    deformation,
-                    error,
-                    "publications differ among themselves",
-                ),
+                escaped(&published.source),
             ],
-            Some(Deviation {
-                largest: difference,
-                at: f64::NAN,
-                last: difference,
-                last_at: row.case.strain,
-            }),
+            [row.deformation, published.deformation, published.error],
+            row.case.strain,
         );
     }
 }

@@ -111,31 +111,56 @@ fn axis(label: &str) -> Axis {
     }
 }
 
-/// D for the article's parameters, one mark for each value.
+/// Lengths of labels beside marks, in characters.
+const SHORT: usize = 30;
+
+/// D for the article's parameters, one mark for each value, from below in order of size.
 fn bending_chart(values: &[Value]) -> Chart {
-    let own = values.iter();
-    let own = own.filter(|value| (value.capillary, value.bending) == (CAPILLARY_NUMBER, BENDING));
-    let curves = own.enumerate().map(|(number, value)| Curve {
-        name: value.name.clone(),
-        points: vec![Point {
-            at: [(number + 1) as f64, value.deformation],
-            bounds: None,
-            note: format!("{}: D = {:.4}", value.name, value.deformation),
-        }],
-        marks: Marks::Points,
-        style: Some(value.own.unwrap_or(PUBLISHED)),
-        label: match value.own {
-            Some(_) => value.name.replace("helfrich, ", ""),
-            None => String::new(),
-        },
-        ..Curve::default()
+    let own = values
+        .iter()
+        .filter(|value| (value.capillary, value.bending) == (CAPILLARY_NUMBER, BENDING));
+    let numbers = own.clone().map(|value| value.deformation);
+    let [low, high] = [
+        numbers.clone().fold(f64::INFINITY, f64::min),
+        numbers.fold(f64::NEG_INFINITY, f64::max),
+    ];
+    // Labels stand to the right of marks.
+    let range = [low - 0.1 * (high - low), high + (high - low)];
+    let rows = own.clone().count() as f64;
+    let curves = own.enumerate().map(|(number, value)| {
+        let label = value.name.split(',').next().unwrap_or_default();
+        let label = match value.own {
+            Some(_) => value.name.clone(),
+            None if value.name.contains("vorticity") => "theory, with rotation".to_owned(),
+            None if label.starts_with("theory") => "theory".to_owned(),
+            None => label.chars().take(SHORT).collect(),
+        };
+        Curve {
+            name: value.name.clone(),
+            points: vec![Point {
+                at: [value.deformation, (number + 1) as f64],
+                bounds: None,
+                note: format!("{}: D = {:.4}", value.name, value.deformation),
+            }],
+            marks: Marks::Points,
+            style: Some(value.own.unwrap_or(PUBLISHED)),
+            label,
+            ..Curve::default()
+        }
     });
+    let axes = [
+        Axis {
+            range: Some(range),
+            ..axis("Taylor deformation D")
+        },
+        Axis {
+            range: Some([0.0, rows + 1.0]),
+            ..axis("number in the table below")
+        },
+    ];
     Chart {
         title: "Published steady deformations and ours, in order of size".to_owned(),
-        axes: [
-            axis("number in the table below"),
-            axis("Taylor deformation D"),
-        ],
+        axes,
         curves: curves.collect(),
         guides: Vec::new(),
     }
@@ -165,8 +190,13 @@ fn elastic_chart(values: &[Value]) -> Chart {
                 },
                 style: Some(value.own.unwrap_or(PUBLISHED)),
                 label: match value.own {
-                    Some(_) => "ours".to_owned(),
-                    None => String::new(),
+                    Some(_) => "helfrich".to_owned(),
+                    None => value
+                        .name
+                        .split([' ', ','])
+                        .next()
+                        .unwrap_or_default()
+                        .to_owned(),
                 },
                 ..Curve::default()
             }),
@@ -174,7 +204,13 @@ fn elastic_chart(values: &[Value]) -> Chart {
     }
     Chart {
         title: "Steady deformation over Ca without bending".to_owned(),
-        axes: [axis("Ca = μγ̇a/G"), axis("Taylor deformation D")],
+        axes: [
+            Axis {
+                range: Some([0.0, 0.85]),
+                ..axis("Ca = μγ̇a/G")
+            },
+            axis("Taylor deformation D"),
+        ],
         curves,
         guides: Vec::new(),
     }
