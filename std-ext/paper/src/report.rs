@@ -69,7 +69,9 @@ impl Page<'_> {
             deviations::write(self, out)?;
             let parts = [
                 self.cell
-                    .map(|cell| curvature::section(&cell, &self.about(cell.rows, "")))
+                    .map(|cell| {
+                        curvature::section(&cell, &self.about(cell.rows, ""), &self.program())
+                    })
                     .transpose()?,
                 self.capsules
                     .map(|rows| self.flow_section(rows))

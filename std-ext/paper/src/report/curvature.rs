@@ -18,7 +18,8 @@ const MARGIN: f64 = 0.5;
 /// Number of points of the exact line in a figure.
 const DRAWN: usize = 96;
 
-pub(super) fn section(cell: &Cell<'_>, about: &str) -> io::Result<Section> {
+/// The section; `about` describes the rows, `program` its version.
+pub(super) fn section(cell: &Cell<'_>, about: &str, program: &str) -> io::Result<Section> {
     let verdicts = verdicts(cell.rows);
     let mut section = Section::default();
     let out = &mut section.html;
@@ -33,7 +34,7 @@ pub(super) fn section(cell: &Cell<'_>, about: &str) -> io::Result<Section> {
     section.charts.append(&mut errors.charts);
     verdict_section(&verdicts, out)?;
     at_nodes(cell, out)?;
-    let charts = along_meridian(cell, about, out)?;
+    let charts = along_meridian(cell, program, out)?;
     section.charts.extend(charts);
     writeln!(section.html, "</section>")?;
     Ok(section)
@@ -135,7 +136,7 @@ fn symbol(quantity: Quantity) -> &'static str {
 /// Figures of values along the meridian: one for each method and quantity.
 fn along_meridian(
     cell: &Cell<'_>,
-    about: &str,
+    program: &str,
     out: &mut dyn Write,
 ) -> io::Result<Vec<(String, Chart)>> {
     let mut charts = Vec::new();
@@ -185,7 +186,7 @@ fn along_meridian(
             }
             writeln!(
                 out,
-                "</div><p class=\"note\">{} over the arc length, {family} mesh, N = {}; {about}</p></div>",
+                "</div><p class=\"note\">{} over the arc length, {family} mesh of the discocyte, N = {}; f64; {program}</p></div>",
                 symbol(quantity),
                 count(rows[0].vertices)
             )?;

@@ -133,6 +133,7 @@ fn bending_chart(values: &[Value]) -> Chart {
             Some(_) => value.name.clone(),
             None if value.name.contains("vorticity") => "theory, with rotation".to_owned(),
             None if label.starts_with("theory") => "theory".to_owned(),
+            None if label.starts_with("prototype") => "prototype".to_owned(),
             None => label.chars().take(SHORT).collect(),
         };
         Curve {
@@ -206,10 +207,13 @@ fn elastic_chart(values: &[Value]) -> Chart {
         title: "Steady deformation over Ca without bending".to_owned(),
         axes: [
             Axis {
-                range: Some([0.0, 0.85]),
+                range: Some([0.1, 0.85]),
                 ..axis("Ca = μγ̇a/G")
             },
-            axis("Taylor deformation D"),
+            Axis {
+                range: Some([0.2, 0.6]),
+                ..axis("Taylor deformation D")
+            },
         ],
         curves,
         guides: Vec::new(),
