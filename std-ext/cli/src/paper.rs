@@ -277,7 +277,6 @@ impl PaperArguments {
     }
 
     /// Errors in f64 over refinement, and errors at the vertices of one mesh.
-    #[expect(clippy::type_complexity, reason = "the two kinds of rows of a part")]
     fn curvature(
         &self,
         cell: &CellStudy,
