@@ -169,7 +169,8 @@ fn plain(cell: &str) -> String {
             _ => {}
         }
     }
-    text.replace('"', "'")
+    let text = text.replace("&lt;", "<").replace("&gt;", ">");
+    text.replace("&amp;", "&").replace('"', "'")
 }
 
 /// The verdicts as text.
