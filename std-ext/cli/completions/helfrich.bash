@@ -28,6 +28,9 @@ _helfrich() {
             helfrich,info)
                 cmd="helfrich__subcmd__info"
                 ;;
+            helfrich,paper)
+                cmd="helfrich__subcmd__paper"
+                ;;
             helfrich,recommend)
                 cmd="helfrich__subcmd__recommend"
                 ;;
@@ -70,6 +73,9 @@ _helfrich() {
             helfrich__subcmd__help,info)
                 cmd="helfrich__subcmd__help__subcmd__info"
                 ;;
+            helfrich__subcmd__help,paper)
+                cmd="helfrich__subcmd__help__subcmd__paper"
+                ;;
             helfrich__subcmd__help,recommend)
                 cmd="helfrich__subcmd__help__subcmd__recommend"
                 ;;
@@ -107,7 +113,7 @@ _helfrich() {
 
     case "${cmd}" in
         helfrich)
-            opts="-h -V --help --version study recommend curvature info remesh repair smooth split subdivide run sweep scenes explain help"
+            opts="-h -V --help --version study recommend curvature info remesh repair smooth split subdivide run sweep scenes paper explain help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 1 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -213,7 +219,7 @@ _helfrich() {
             return 0
             ;;
         helfrich__subcmd__help)
-            opts="study recommend curvature info remesh repair smooth split subdivide run sweep scenes explain help"
+            opts="study recommend curvature info remesh repair smooth split subdivide run sweep scenes paper explain help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -269,6 +275,20 @@ _helfrich() {
             return 0
             ;;
         helfrich__subcmd__help__subcmd__info)
+            opts=""
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 3 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        helfrich__subcmd__help__subcmd__paper)
             opts=""
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 3 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
@@ -430,6 +450,52 @@ _helfrich() {
             fi
             case "${prev}" in
                 --weld)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        helfrich__subcmd__paper)
+            opts="-o -h --out --quick --part --method --vertices --figures --cache --fresh --threads --help"
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                --out)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                -o)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --part)
+                    COMPREPLY=($(compgen -W "curvature capsule precision" -- "${cur}"))
+                    return 0
+                    ;;
+                --method)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --vertices)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --figures)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --cache)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --threads)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;

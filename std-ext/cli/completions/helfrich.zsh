@@ -201,6 +201,24 @@ _arguments "${_arguments_options[@]}" : \
 '--help[Print help]' \
 && ret=0
 ;;
+(paper)
+_arguments "${_arguments_options[@]}" : \
+'-o+[Output folder\: the page \`index.html\`, and the runs of scenes in \`runs\`]:FOLDER:_files' \
+'--out=[Output folder\: the page \`index.html\`, and the runs of scenes in \`runs\`]:FOLDER:_files' \
+'*--part=[Parts of the page; by default all]:PART:((curvature\:"Curvatures and forces on the exact red blood cell, over refinement and families of meshes"
+capsule\:"The capsule in shear flow by both solvers, and what others found"
+precision\:"f32 beside f64\: errors and times in every number type"))' \
+'*--method=[Methods by name or letter; by default A,B,C,D,E,S,G,J6. On the lattice those of B, C, S and J6 among them]:METHOD:_default' \
+'*--vertices=[Numbers of vertices of the red blood cell. By default 642,2562,10242,40962; with \`--quick\` 162,642,2562]:VERTICES:_default' \
+'--figures=[Also write every figure of the page as SVG and PNG to this folder]:FOLDER:_files' \
+'--cache=[File in which measurements are kept, so that a repeated or interrupted study reuses them; by default, for pages only, in the user'\''s cache folder]:FILE:_files' \
+'--threads=[Number of threads, from 1 to 1024; by default as many as the machine runs at once. Results do not depend on it]:N:_default' \
+'--quick[Take coarser meshes and shorter runs\: less than a minute instead of ten]' \
+'--fresh[Measure everything again]' \
+'-h[Print help (see more with '\''--help'\'')]' \
+'--help[Print help (see more with '\''--help'\'')]' \
+&& ret=0
+;;
 (explain)
 _arguments "${_arguments_options[@]}" : \
 '*--set=[Replace a value of the scene, as in \`surface.vesicle.bending.modulus=0.3\`, or remove it, as in \`surface.vesicle.bending=\`; may be repeated]:PATH=VALUE:_default' \
@@ -270,6 +288,10 @@ _arguments "${_arguments_options[@]}" : \
 _arguments "${_arguments_options[@]}" : \
 && ret=0
 ;;
+(paper)
+_arguments "${_arguments_options[@]}" : \
+&& ret=0
+;;
 (explain)
 _arguments "${_arguments_options[@]}" : \
 && ret=0
@@ -302,6 +324,7 @@ _helfrich_commands() {
 'run:Run a scene\: surfaces, the effects that act on each, and a driver that moves them' \
 'sweep:Run a scene with every combination of given values, and compare the results' \
 'scenes:List the scenes that come with the program, which \`run\`, \`sweep\` and \`explain\` take by name' \
+'paper:Make the figures of Guckenberger et al. (2016) with ours beside its data, as one page' \
 'explain:Explain a scene without running it\: effects, dimensionless groups, memory, step limits' \
 'help:Print this message or the help of the given subcommand(s)' \
     )
@@ -332,6 +355,7 @@ _helfrich__subcmd__help_commands() {
 'run:Run a scene\: surfaces, the effects that act on each, and a driver that moves them' \
 'sweep:Run a scene with every combination of given values, and compare the results' \
 'scenes:List the scenes that come with the program, which \`run\`, \`sweep\` and \`explain\` take by name' \
+'paper:Make the figures of Guckenberger et al. (2016) with ours beside its data, as one page' \
 'explain:Explain a scene without running it\: effects, dimensionless groups, memory, step limits' \
 'help:Print this message or the help of the given subcommand(s)' \
     )
@@ -356,6 +380,11 @@ _helfrich__subcmd__help__subcmd__help_commands() {
 _helfrich__subcmd__help__subcmd__info_commands() {
     local commands; commands=()
     _describe -t commands 'helfrich help info commands' commands "$@"
+}
+(( $+functions[_helfrich__subcmd__help__subcmd__paper_commands] )) ||
+_helfrich__subcmd__help__subcmd__paper_commands() {
+    local commands; commands=()
+    _describe -t commands 'helfrich help paper commands' commands "$@"
 }
 (( $+functions[_helfrich__subcmd__help__subcmd__recommend_commands] )) ||
 _helfrich__subcmd__help__subcmd__recommend_commands() {
@@ -411,6 +440,11 @@ _helfrich__subcmd__help__subcmd__sweep_commands() {
 _helfrich__subcmd__info_commands() {
     local commands; commands=()
     _describe -t commands 'helfrich info commands' commands "$@"
+}
+(( $+functions[_helfrich__subcmd__paper_commands] )) ||
+_helfrich__subcmd__paper_commands() {
+    local commands; commands=()
+    _describe -t commands 'helfrich paper commands' commands "$@"
 }
 (( $+functions[_helfrich__subcmd__recommend_commands] )) ||
 _helfrich__subcmd__recommend_commands() {

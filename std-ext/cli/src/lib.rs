@@ -6,6 +6,7 @@
 
 mod columns;
 mod curvature;
+mod paper;
 mod recommend;
 mod remesh;
 mod repair;
@@ -30,6 +31,7 @@ use helfrich_std::method::{AnyMethod, BendingMethod, MethodOptions, OwnMethod};
 use helfrich_std::noise::noise_seen;
 use helfrich_std::report;
 use helfrich_std::subdivide::{Target, subdivide};
+use paper::{PaperArguments, paper};
 use recommend::{RecommendArguments, recommend_method};
 use remesh::{RemeshArguments, remesh_file};
 use repair::{RepairArguments, repair_file};
@@ -108,6 +110,12 @@ enum Command {
     Sweep(SweepArguments),
     /// List the scenes that come with the program, which `run`, `sweep` and `explain` take by name.
     Scenes(ScenesArguments),
+    /// Make the figures of Guckenberger et al. (2016) with ours beside its data, as one page.
+    ///
+    /// Curvatures and forces of its six methods and ours on the exact red blood cell, its capsule in shear flow by boundary
+    /// integrals and on a lattice, what others found for that capsule, and what each digit costs; with deviations from
+    /// published data in one table. An interrupted command continues where it stopped.
+    Paper(PaperArguments),
     /// Explain a scene without running it: effects, dimensionless groups, memory, step limits.
     Explain(SceneArguments),
 }
@@ -263,6 +271,7 @@ pub fn program_with(methods: &[OwnMethod]) -> ExitCode {
         Command::Run(arguments) => arguments.scene.threads.run(|| run_scene(&arguments)),
         Command::Sweep(arguments) => arguments.scene.threads.run(|| sweep(&arguments)),
         Command::Scenes(arguments) => scenes(&arguments),
+        Command::Paper(arguments) => arguments.threads.run(|| paper(&arguments)),
         Command::Explain(arguments) => arguments.threads.run(|| explain_scene(&arguments)),
     };
     terminal::ended(result)

@@ -369,7 +369,7 @@ impl StudyArguments {
 
 /// A folder for figures with a lock on it: otherwise two processes could mix the figures of two
 /// studies.
-fn own_folder(folder: &Path) -> Result<Lock, Failure> {
+pub(crate) fn own_folder(folder: &Path) -> Result<Lock, Failure> {
     fs::create_dir_all(folder).map_err(|error| Failure::output(folder.display(), &error))?;
     let lock = Lock::of_folder(folder).map_err(|error| match error {
         LockError::Inaccessible { path, source } => Failure::output(path.display(), &source),
@@ -383,7 +383,7 @@ fn own_folder(folder: &Path) -> Result<Lock, Failure> {
 const NUMBERS: [usize; 4] = [642, 2562, 10_242, 40_962];
 
 /// The command line; of the program's path, only the file name.
-fn command() -> String {
+pub(crate) fn command() -> String {
     let program = std::env::args_os().next().unwrap_or_default();
     let program = Path::new(&program)
         .file_stem()

@@ -153,7 +153,7 @@ pub struct Session<'a> {
     /// Number of bytes allocated by the program; without it memory is not measured.
     pub allocated: Option<&'a dyn Fn() -> usize>,
     /// Whether evaluations are repeated until the median of their times is known. Otherwise the time is that
-    /// of the first evaluation, with a scatter of NaN: errors take a third of the time.
+    /// of the first evaluation, on all threads, with a scatter of NaN: errors take a third of the time.
     pub timed: bool,
 }
 
@@ -248,7 +248,7 @@ impl Study {
                 let at = &format!("{family} {asked}: mesh");
                 (session.progress)(StudyProgress { done, total, at });
                 done += asked as u64;
-                let level = self.level(family, asked, session.cache.as_deref())?;
+                let level = self.level(family, asked, session)?;
                 // On the torus two numbers of vertices may lead to the same lattice.
                 if meshes
                     .last()
@@ -297,8 +297,9 @@ impl Study {
         &self,
         family: Family,
         asked: usize,
-        cache: Option<&Cache>,
+        session: &Session<'_>,
     ) -> Result<Level, StudyError> {
+        let cache = session.cache.as_deref();
         let mut known = None;
         'all: for &scalar in &self.scalars {
             for &method in &self.methods {
@@ -308,7 +309,8 @@ impl Study {
                     method,
                     scalar,
                 };
-                let measured = cache.and_then(|cache| cache.get::<Measured>(&case.key(asked)));
+                let key = case.key(asked, session.timed);
+                let measured = cache.and_then(|cache| cache.get::<Measured>(&key));
                 known = measured.map(|measured| measured.vertices);
                 if known.is_none() {
                     break 'all;
@@ -358,6 +360,11 @@ impl Row {
         is_scattered(self.ns_scatter)
     }
 
+    /// Whether its time is the median of repeated evaluations; see [`Session::timed`].
+    pub fn is_timed(&self) -> bool {
+        !self.ns_scatter.is_nan()
+    }
+
     /// The orders relative to the last earlier row of the same kind, which has fewer vertices.
     fn set_orders(&mut self, earlier: &[Self]) {
         let coarser = earlier.iter().rev().find(|row| {
@@ -400,7 +407,7 @@ struct Level {
 
 impl Case<'_> {
     /// The identity of a measurement; each f64 is given by its bits.
-    fn key(self, asked: usize) -> String {
+    fn key(self, asked: usize, timed: bool) -> String {
         let Self {
             study,
             family,
@@ -410,12 +417,13 @@ impl Case<'_> {
         let (shape, seed) = (study.shape, study.seed);
         let modulus = study.modulus.to_bits();
         let options = study.options.of(method);
-        format!("study {shape} {family} {asked} {seed} {method} {options} {scalar} {modulus:x}")
+        let kind = if timed { "study" } else { "errors" };
+        format!("{kind} {shape} {family} {asked} {seed} {method} {options} {scalar} {modulus:x}")
     }
 
     /// From the session's cache, or measured.
     fn rows(self, level: &Level, session: &mut Session<'_>) -> Result<Vec<Row>, StudyError> {
-        let key = self.key(level.asked);
+        let key = self.key(level.asked, session.timed);
         let cached = session.cache.as_deref();
         let cached = cached.and_then(|cache| cache.get::<Measured>(&key));
         let measured = match (cached, &level.made) {
@@ -430,7 +438,7 @@ impl Case<'_> {
                     scalar: self.scalar,
                     source,
                 })?;
-                measured.keep(key, session.cache.as_deref_mut());
+                measured.keep(key, session.timed, session.cache.as_deref_mut());
                 measured
             }
             // The mesh exists, because a measurement is missing.
@@ -469,7 +477,10 @@ impl Case<'_> {
         let before = allocated.map(|allocated| allocated());
         let modulus = T::constant(self.study.modulus);
         // Time and memory of one thread; work of other threads would disturb the measurement.
-        let threads = Parallel::single();
+        let threads = match session.timed {
+            true => Parallel::single(),
+            false => Parallel::new(),
+        };
         let options = &self.study.options;
         let mut evaluator = self.method.evaluator(options, modulus, &mesh.mesh, threads);
         let start = Instant::now();

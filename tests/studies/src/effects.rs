@@ -3,7 +3,7 @@
 //! The scene is `capsule-shear.toml`, with a viscosity ratio of 5, a viscous membrane and a penalty on
 //! the area besides elasticity and bending.
 
-use crate::flow::FlowStudyError;
+use helfrich_paper::flow::FlowStudyError;
 use helfrich_std::run::{End, Progress, Summary, run};
 use helfrich_std::scene::{Overrides, SceneFile};
 use helfrich_std::simulation::build;

@@ -3,13 +3,11 @@
 //! makes their tables.
 //!
 //! * [`stability`]: methods and formulas on hard cases.
-//! * [`flow`]: one capsule by both solvers and every method, compared with published results.
 //! * [`costs`]: the cost of each method, for the program and the guides.
 //! * [`effects`]: the cost of each effect of a scene.
 //! * [`report`]: presentation of the results.
 
 pub mod costs;
 pub mod effects;
-pub mod flow;
 pub mod report;
 pub mod stability;

@@ -8,12 +8,13 @@ use helfrich_cli::study::{
 use helfrich_cli::terminal::{
     Failure, ProgressBar, check_outputs, ended, file_named, interruption, save, say,
 };
+use helfrich_paper::flow::{FlowProgress, FlowRow, FlowStudy, FlowStudyError, run_cases};
 use helfrich_std::method::{AnyMethod, BendingMethod};
 use helfrich_std::provenance::Provenance;
 use helfrich_std::study::{Cache, MOST_SCATTER, StudyProgress};
 use helfrich_studies::costs::{costs as measured_costs, documents};
 use helfrich_studies::effects::{EffectCosts, effect_costs};
-use helfrich_studies::flow::{FlowRow, FlowStudy, FlowStudyError};
+
 use helfrich_studies::report;
 use helfrich_studies::stability::{Group, Stability};
 use std::path::{Path, PathBuf};
@@ -233,9 +234,11 @@ fn flow_rows(
     interrupted: &dyn Fn() -> bool,
 ) -> Result<Vec<FlowRow>, Failure> {
     let mut bar = ProgressBar::default();
-    let rows = study.run_with(cache, interrupted, &mut |progress| {
+    let folder = tempfile::tempdir().map_err(|error| of_flow(error.into()))?;
+    let mut tell = |progress: &FlowProgress<'_>| {
         bar.show(progress.fraction, &progress.case.to_string());
-    });
+    };
+    let rows = run_cases(&study.cases(), folder.path(), cache, interrupted, &mut tell);
     rows.map_err(of_flow)
 }
 
@@ -254,8 +257,8 @@ fn measured_effects(
 }
 
 fn of_flow(error: FlowStudyError) -> Failure {
-    match error {
-        FlowStudyError::Scene { .. } => Failure::input(error),
-        _ => Failure::Output(error.to_string()),
+    match error.is_output() {
+        true => Failure::Output(error.to_string()),
+        false => Failure::input(error),
     }
 }

@@ -2,6 +2,8 @@
 //! curves, and the independent computation of `capsules.csv`.
 
 use crate::scenes::{PUBLISHED_CAPSULE, at, column, last, run_file, run_scene};
+use helfrich_paper::flow::published;
+use helfrich_paper::literature::{Computed, prototype};
 use helfrich_std::deformation::first_plateau;
 use helfrich_std::run::Summary;
 use helfrich_std::scene::{Overrides, SceneFile};
@@ -73,33 +75,14 @@ fn sheared(overrides: &[&str]) -> (Summary, SeriesTable) {
     run_scene("capsule-shear.toml", &overrides)
 }
 
-/// Fields of the rows of a comma-separated file, without comments and header.
-fn data(name: &str) -> Vec<Vec<String>> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("data")
-        .join(name);
-    let text = std::fs::read_to_string(path).expect("data");
-    let lines = text.lines().filter(|line| !line.starts_with('#')).skip(1);
-    let fields = |line: &str| line.split(',').map(str::to_owned).collect::<Vec<_>>();
-    lines.map(fields).collect()
-}
-
-/// Law, Ca, κ/(a²G), D on 1280 triangles and inclination of the capsules that were computed independently.
-fn steady_capsules() -> Vec<(String, [f64; 4])> {
-    let row = |row: Vec<String>| {
-        let number = |column: usize| row[column].parse().expect("a number");
-        (row[0].clone(), [1, 2, 3, 6].map(number))
-    };
-    data("capsules.csv").into_iter().map(row).collect()
-}
-
 /// The paper's own case: D(t) agrees with the published curve, the steady state with that of the prototype on
 /// the same number of triangles, and the volume is kept.
 #[test]
 fn the_capsule_of_the_paper_deforms_as_published() {
     let (summary, series) = &*PUBLISHED_CAPSULE;
-    for row in data("guckenberger2016-transient.csv") {
-        let [strain, value] = [&row[0], &row[1]].map(|text| text.parse::<f64>().expect("a number"));
+    let curve = &published()[0];
+    assert_eq!(curve.points.len(), 10);
+    for &[strain, value] in &curve.points {
         if strain > 4.0 {
             continue;
         }
@@ -107,7 +90,11 @@ fn the_capsule_of_the_paper_deforms_as_published() {
         let allowed = (0.02 * value).max(CAPSULE_TRANSIENT.value) / CAPSULE_TRANSIENT.value;
         CAPSULE_TRANSIENT.assert(found, value, allowed, &format!("D at γ̇t = {strain}"));
     }
-    let (_, [.., expected, angle]) = steady_capsules()[0];
+    let Computed {
+        deformations: [expected, ..],
+        inclination: angle,
+        ..
+    } = prototype()[0];
     let deformation = last(series, "deformation");
     CAPSULE_REFERENCE.assert(deformation, expected, 1.0, "D of B on 1280 triangles");
     let inclination = last(series, "inclination");
@@ -126,9 +113,16 @@ fn the_capsule_of_the_paper_deforms_as_published() {
 /// sets of parameters but that of the paper.
 #[test]
 fn steady_deformations_are_those_of_an_independent_computation() {
-    let computed = steady_capsules();
+    let computed = prototype();
     assert_eq!(computed.len(), 5);
-    for (law, [capillary, modulus, expected, inclination]) in &computed[1..] {
+    for Computed {
+        law,
+        capillary,
+        bending: modulus,
+        deformations: [expected, ..],
+        inclination,
+    } in &computed[1..]
+    {
         let bending = match *modulus {
             0.0 => "bending=".to_owned(),
             modulus => format!("bending.modulus={modulus}"),

@@ -22,6 +22,7 @@ mod interrupted;
 mod lost;
 mod manual;
 mod page;
+mod paper;
 mod recommend;
 mod remesh;
 mod repair;

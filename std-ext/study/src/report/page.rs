@@ -13,6 +13,10 @@ pub mod svg;
 pub mod text;
 mod verdicts;
 
+pub use accuracy::{convergence_section, open_both};
+pub use precision::precision_section;
+pub use verdicts::write as verdict_section;
+
 use crate::answer::each;
 use crate::io::replace_file;
 use crate::method::{AnyMethod, BendingMethod};
@@ -74,20 +78,23 @@ impl Page<'_> {
     /// If `out` cannot be written to, or there are maps of errors without the feature `pictures`.
     pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
         let shape = self.rows.first().map_or("", |row| row.shape);
-        writeln!(
-            out,
-            "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\
-             <title>What accuracy costs: bending of membranes</title><style>{}{}</style>\
-             <noscript><style>[data-when][hidden]{{display:block}}.choose,.legend input{{display:none}}</style></noscript></head><body><main>",
-            include_str!("page/style.css"),
-            colours(),
-        )?;
-        writeln!(
-            out,
-            "<header><p class=\"over\">helfrich · bending of triangulated membranes</p><h1>What accuracy costs</h1>\
-             <p class=\"lead\">Which method computes how a membrane bends, how far it is off, and how long it takes: measured on {} against exact values.</p></header>",
+        let lead = format!(
+            "Which method computes how a membrane bends, how far it is off, and how long it takes: measured on {} against exact values.",
             described(shape)
-        )?;
+        );
+        let document = Document {
+            title: "What accuracy costs: bending of membranes",
+            heading: "What accuracy costs",
+            lead: &lead,
+            generator: "helfrich study",
+        };
+        document.write(&serde_json::to_string(&self.rows)?, out, |out| {
+            self.parts(out)
+        })
+    }
+
+    /// Everything between the heading and the script.
+    fn parts(&self, out: &mut dyn Write) -> io::Result<()> {
         let recommended = answers::recommended(self.rows);
         let recommended = recommended.as_ref();
         answers::write(self, recommended, out)?;
@@ -105,13 +112,27 @@ impl Page<'_> {
                  In the repository of helfrich they are measured, in some minutes, by <code>cargo run --release --package helfrich-studies -- page --html report.html</code>.</p></section>"
             )?;
         }
-        self.write_provenance(out)?;
-        let json = serde_json::to_string(&self.rows)?.replace("</", "<\\/");
+        let origin = Origin {
+            provenance: self.provenance,
+            command: self.command,
+            when: self.when,
+            reused: self.reused,
+        };
         writeln!(
             out,
-            "<script type=\"application/json\" id=\"rows\">{json}</script>\
-             <div id=\"tip\" role=\"status\" aria-live=\"polite\" hidden></div></main><script>{}</script></body></html>",
-            include_str!("page/script.js")
+            "<section id=\"provenance\"><h2>Where the numbers come from</h2>"
+        )?;
+        origin.write(out)?;
+        writeln!(
+            out,
+            "<p>{ABOUT_ERRORS} \
+             <b>Time</b>: the median of one evaluation of forces (and energy, or curvatures) on the whole mesh, on one thread, \
+             after the first; times of one page compare with each other, not with another machine. \
+             {}\
+             {ABOUT_ORDERS} \
+             <b>Memory</b>: what the method keeps beside mesh and positions.</p>\
+             <p>The question and six of the methods: {ARTICLE}. The jets, J, are this library’s.</p></section>",
+            self.about_scatter()
         )
     }
 
@@ -120,15 +141,7 @@ impl Page<'_> {
     /// # Errors
     /// If a file cannot be written, or without that feature.
     pub fn write_figures(&self, folder: &Path) -> io::Result<()> {
-        for (name, chart) in self.charts() {
-            replace_file(&folder.join(format!("{name}.svg")), |out| {
-                svg::write(&chart, &name, true, out)
-            })?;
-            let canvas = chart.draw(FIGURE_SIZE).map_err(io::Error::other)?;
-            replace_file(&folder.join(format!("{name}.png")), |out| {
-                png::encode(&canvas, out)
-            })?;
-        }
+        write_charts(&self.charts(), folder)?;
         for (name, png) in pictures::all(self)? {
             replace_file(&folder.join(format!("{name}.png")), |out| {
                 out.write_all(&png)
@@ -161,8 +174,115 @@ impl Page<'_> {
         charts.retain(|(_, chart)| !chart.is_empty());
         charts
     }
+}
 
-    fn write_provenance(&self, out: &mut dyn Write) -> io::Result<()> {
+/// Writes figures as SVG and PNG into an existing folder. Needs the feature `pictures`.
+///
+/// # Errors
+/// If a file cannot be written, or without that feature.
+pub fn write_charts(charts: &[(String, Chart)], folder: &Path) -> io::Result<()> {
+    for (name, chart) in charts {
+        replace_file(&folder.join(format!("{name}.svg")), |out| {
+            svg::write(chart, name, true, out)
+        })?;
+        let canvas = chart.draw(FIGURE_SIZE).map_err(io::Error::other)?;
+        replace_file(&folder.join(format!("{name}.png")), |out| {
+            png::encode(&canvas, out)
+        })?;
+    }
+    Ok(())
+}
+
+/// The definition of errors, as HTML.
+pub const ABOUT_ERRORS: &str = "<b>Error</b>: the difference from the exact value at a vertex, relative to the largest exact value on the surface; \
+     the largest over all vertices, or the mean weighted by area.";
+
+/// The definition of orders of convergence, as HTML.
+pub const ABOUT_ORDERS: &str = "<b>Order p</b>: error ~ h<sup>p</sup> with the edge length h ~ N<sup>−1/2</sup>, fitted to the three finest meshes.";
+
+/// The article that asked the question, as HTML.
+pub const ARTICLE: &str = "Guckenberger, Schraml, Chen, Leonetti, Gekle, <i>On the bending algorithms for soft objects in flows</i>, \
+     Comput. Phys. Commun. 207 (2016) 1–23";
+
+/// The frame of a page: one file that loads nothing, with the style and the script of all pages.
+#[derive(Clone, Copy, Debug)]
+pub struct Document<'a> {
+    /// The title of the window.
+    pub title: &'a str,
+    /// The first heading.
+    pub heading: &'a str,
+    /// The line below it, as HTML.
+    pub lead: &'a str,
+    /// The command that wrote the page, in the head of the file: see [`Self::mark`].
+    pub generator: &'a str,
+}
+
+impl Document<'_> {
+    /// The text by which a file is known to be a page of this command.
+    pub fn mark(&self) -> String {
+        format!("<meta name=\"generator\" content=\"{}\">", self.generator)
+    }
+
+    /// Writes the page with these `parts` and the data `json`.
+    ///
+    /// # Errors
+    /// If `out` cannot be written to.
+    pub fn write(
+        &self,
+        json: &str,
+        out: &mut dyn Write,
+        parts: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> io::Result<()> {
+        let Self {
+            title,
+            heading,
+            lead,
+            ..
+        } = self;
+        writeln!(
+            out,
+            "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">{}<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\
+             <title>{title}</title><style>{}{}</style>\
+             <noscript><style>[data-when][hidden]{{display:block}}.choose,.legend input{{display:none}}</style></noscript></head><body><main>",
+            self.mark(),
+            include_str!("page/style.css"),
+            colours(),
+        )?;
+        writeln!(
+            out,
+            "<header><p class=\"over\">helfrich · bending of triangulated membranes</p><h1>{heading}</h1>\
+             <p class=\"lead\">{lead}</p></header>"
+        )?;
+        parts(out)?;
+        writeln!(
+            out,
+            "<script type=\"application/json\" id=\"rows\">{}</script>\
+             <div id=\"tip\" role=\"status\" aria-live=\"polite\" hidden></div></main><script>{}</script></body></html>",
+            json.replace("</", "<\\/"),
+            include_str!("page/script.js")
+        )
+    }
+}
+
+/// The origin of the numbers of a page.
+#[derive(Clone, Copy, Debug)]
+pub struct Origin<'a> {
+    /// Program and machine.
+    pub provenance: &'a Provenance,
+    /// The command line.
+    pub command: &'a str,
+    /// The time of creation.
+    pub when: SystemTime,
+    /// Number of measurements from earlier runs of the same program on the same machine.
+    pub reused: usize,
+}
+
+impl Origin<'_> {
+    /// Writes the origin as a list.
+    ///
+    /// # Errors
+    /// If `out` cannot be written to.
+    pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
         let Provenance { version, build, .. } = self.provenance;
         let Build {
             commit,
@@ -174,7 +294,7 @@ impl Page<'_> {
         let or = |text: &str, none: &str| escaped(if text.is_empty() { none } else { text });
         writeln!(
             out,
-            "<section id=\"provenance\"><h2>Where the numbers come from</h2><dl>\
+            "<dl>\
              <dt>Command</dt><dd><code>{}</code></dd>\
              <dt>Program</dt><dd>helfrich {version}, commit {}</dd>\
              <dt>Compiler</dt><dd>{}, {}, {}; flags: {}</dd>\
@@ -195,19 +315,6 @@ impl Page<'_> {
                     "{reused} taken from earlier runs of the same program on this machine, the others made for this page"
                 ),
             },
-        )?;
-        writeln!(
-            out,
-            "<p><b>Error</b>: the difference from the exact value at a vertex, relative to the largest exact value on the surface; \
-             the largest over all vertices, or the mean weighted by area. \
-             <b>Time</b>: the median of one evaluation of forces (and energy, or curvatures) on the whole mesh, on one thread, \
-             after the first; times of one page compare with each other, not with another machine. \
-             {}\
-             <b>Order p</b>: error ~ h<sup>p</sup> with the edge length h ~ N<sup>−1/2</sup>, fitted to the three finest meshes. \
-             <b>Memory</b>: what the method keeps beside mesh and positions.</p>\
-             <p>The question and six of the methods: Guckenberger, Schraml, Chen, Leonetti, Gekle, <i>On the bending algorithms for soft objects in flows</i>, \
-             Comput. Phys. Commun. 207 (2016) 1–23. The jets, J, are this library’s.</p></section>",
-            self.about_scatter()
         )
     }
 }

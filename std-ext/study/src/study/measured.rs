@@ -16,10 +16,10 @@ pub(super) struct Measured {
 }
 
 impl Measured {
-    /// Caches the measurement, unless its times scatter: then it will be measured again.
-    pub(super) fn keep(&self, key: String, cache: Option<&mut Cache>) {
+    /// Caches the measurement, unless times were asked for and scatter: then it will be measured again.
+    pub(super) fn keep(&self, key: String, timed: bool, cache: Option<&mut Cache>) {
         if let Some(cache) = cache
-            && !is_scattered(self.ns_scatter)
+            && !(timed && is_scattered(self.ns_scatter))
         {
             cache.insert(key, self);
         }
@@ -51,12 +51,18 @@ mod tests {
         };
         let open = || Cache::open(&path, &provenance).expect("a cache").cache;
         let mut cache = open();
-        for (name, scatter) in [("steady", 0.1), ("scattered", 0.3), ("none", f64::NAN)] {
-            measured(scatter).keep(name.to_owned(), Some(&mut cache));
+        for (name, timed, scatter) in [
+            ("steady", true, 0.1),
+            ("scattered", true, 0.3),
+            ("none", true, f64::NAN),
+            ("errors alone", false, f64::NAN),
+        ] {
+            measured(scatter).keep(name.to_owned(), timed, Some(&mut cache));
         }
         cache.save().expect("a file");
         drop(cache);
-        let kept = ["steady", "scattered", "none"].map(|name| open().get::<Measured>(name));
-        assert_eq!(kept.map(|kept| kept.is_some()), [true, false, false]);
+        let kept = ["steady", "scattered", "none", "errors alone"];
+        let kept = kept.map(|name| open().get::<Measured>(name));
+        assert_eq!(kept.map(|kept| kept.is_some()), [true, false, false, true]);
     }
 }

@@ -1,6 +1,6 @@
 //! Tables of a study of flow.
 
-use crate::flow::{BENDING, FlowRow, Solver, boxes, largest_deviation, published, resolved};
+use helfrich_paper::flow::{BENDING, FlowRow, Solver, boxes, deviation, published, resolved};
 use helfrich_std::flow::lattice_boltzmann::limits::CAPSULE_BOX;
 use helfrich_std::method::BendingMethod;
 use helfrich_std::run::End;
@@ -43,10 +43,10 @@ fn methods(rows: &[FlowRow], out: &mut dyn Write) -> io::Result<()> {
             continue;
         }
         shown.push(key);
-        let deviation = paper
-            .as_ref()
-            .and_then(|curve| largest_deviation(row, curve));
-        let deviation = deviation.map_or("–".to_owned(), |deviation| format!("{deviation:.4}"));
+        let deviation = paper.as_ref().and_then(|curve| deviation(row, curve));
+        let deviation = deviation.map_or("–".to_owned(), |deviation| {
+            format!("{:.4}", deviation.largest.abs())
+        });
         writeln!(
             out,
             "{:13} {:>8}  {:34} {:>8.4} {:>5.1}° {deviation:>14} {:>8.0e} {:>7.1}{}",

@@ -1,11 +1,13 @@
-//! The study of a capsule in flow: its cases, and evaluations of its rows.
+//! Capsules in flow: their cases, and evaluations of their rows.
 
+use helfrich_paper::flow::{
+    BENDING, CAPILLARY_NUMBER, FlowCase, FlowRow, FlowStudy, Solver, boxes, deviation, published,
+    resolved,
+};
 use helfrich_std::method::BendingMethod;
+use helfrich_std::plots::PublishedCurve;
 use helfrich_std::run::End;
 use helfrich_std::scalar::Scalar;
-use helfrich_studies::flow::{
-    BENDING, FlowCase, FlowRow, FlowStudy, Solver, boxes, largest_deviation, published, resolved,
-};
 use helfrich_tests::tolerance::Tolerance;
 
 /// Extrapolations of exact laws, relative.
@@ -23,8 +25,10 @@ pub(crate) fn row(resolution: f64, size: f64, deformation: f64) -> FlowRow {
                 precision: Scalar::F64,
             },
             method: BendingMethod::GompperKroll,
+            capillary: CAPILLARY_NUMBER,
             bending: BENDING,
             vertices: 642,
+            strain: 6.0,
         },
         end: End::Completed,
         message: String::new(),
@@ -32,6 +36,7 @@ pub(crate) fn row(resolution: f64, size: f64, deformation: f64) -> FlowRow {
         inclination: 37.0,
         volume_change: 0.0,
         transient: vec![[0.0, 0.0], [1.0, 0.1316], [6.0, 0.1334]],
+        inclinations: vec![[0.0, 45.0], [1.0, 38.0], [6.0, 37.0]],
         steps: 1,
         seconds: 1.0,
     }
@@ -77,12 +82,40 @@ fn runs_are_compared_with_what_was_published() {
         curves[0].name
     );
     assert_eq!(curves.len(), 6);
-    let deviation = largest_deviation(&row(6.0, 7.0, 0.1334), &curves[0]).expect("points");
+    let found = deviation(&row(6.0, 7.0, 0.1334), &curves[0]).expect("points");
     // At γ̇t = 0.302, linear interpolation of the run gives 0.0397, and the curve has 0.0926.
-    SERIES_EXTRAPOLATION.assert(deviation, 0.0926 - 0.302 * 0.1316, 0.05, "deviation");
+    let expected = 0.302 * 0.1316 - 0.0926;
+    SERIES_EXTRAPOLATION.assert(found.largest, expected, 0.05, "largest difference");
+    let at = [found.at, found.last_at];
+    assert_eq!(at, [0.302, 5.0]);
+    // The slope there is 0.1316.
+    let shift = -expected / 0.1316;
+    SERIES_EXTRAPOLATION.assert(found.shift, shift, shift, "shift of γ̇t");
     let mut early = row(6.0, 7.0, 0.1);
     early.transient.clear();
-    assert_eq!(largest_deviation(&early, &curves[0]), None);
+    assert_eq!(deviation(&early, &curves[0]), None);
+}
+
+/// A run that differs from a curve by a known amount has this deviation, with its sign, at the points that it reaches.
+#[test]
+fn a_known_deviation_is_found() {
+    let curve = PublishedCurve {
+        name: "a line".to_owned(),
+        points: vec![[0.5, 0.05], [1.5, 0.15], [2.5, 0.25], [9.0, 0.9]],
+    };
+    let mut run = row(6.0, 7.0, 0.3);
+    // The line, a tenth lower at first, and 0.004 higher at the end.
+    run.transient = vec![[0.0, 0.0], [1.0, 0.09], [2.0, 0.204], [3.0, 0.304]];
+    let found = deviation(&run, &curve).expect("points");
+    for (what, found, expected) in [
+        ("largest", found.largest, -0.005),
+        ("at", found.at, 0.5),
+        ("shift", found.shift, 0.005 / 0.09),
+        ("last", found.last, 0.004),
+        ("last at", found.last_at, 2.5),
+    ] {
+        SERIES_EXTRAPOLATION.assert(found, expected, 1.0, what);
+    }
 }
 
 /// The cases comprise every method with both solvers, two resolutions and two boxes with much and little

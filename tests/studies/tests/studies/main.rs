@@ -3,5 +3,6 @@
 mod costs;
 mod double_double;
 mod flow;
+mod paper;
 mod program;
 mod stability;

@@ -3,7 +3,7 @@
 use super::curves::{curves, logarithmic, series};
 use super::svg::{self, mark};
 use super::text::{Table, count, csv_line, escaped, percent, signed, time_of};
-use super::{Page, QUANTITIES, called, each, label, style_in};
+use super::{Page, QUANTITIES, Section, called, each, label, style_in};
 use super::{answers, costs};
 use crate::answer::{Norm, Recommended, seconds};
 use crate::picture::{Chart, Numbers, Point};
@@ -20,7 +20,18 @@ pub(super) fn write(
     let rows = page.rows;
     let families = each(rows.iter().map(|row| row.family));
     writeln!(out, "<section id=\"accuracy\"><h2>Error against time</h2>")?;
-    write_choice(&families, out)?;
+    write_choice(
+        &[
+            ("quantity", "Quantity", quantity_choice(&QUANTITIES)),
+            (
+                "norm",
+                "Error",
+                vec![("max", "at every vertex"), ("mean", "on average")],
+            ),
+            ("family", "Mesh", family_choice(&families)),
+        ],
+        out,
+    )?;
     write_legend(rows, recommended, out)?;
     writeln!(out, "<div class=\"pair\">")?;
     for [kind, heading] in [
@@ -28,7 +39,7 @@ pub(super) fn write(
         ["vertices", "Error against the number of vertices"],
     ] {
         writeln!(out, "<figure><figcaption>{heading}</figcaption>")?;
-        for variant in variants(&families) {
+        for variant in variants(&QUANTITIES, &families) {
             let chart = error_chart(rows, recommended, &variant, kind);
             variant.open(out)?;
             if chart.is_empty() {
@@ -41,9 +52,10 @@ pub(super) fn write(
         writeln!(out, "</figure>")?;
     }
     writeln!(out, "</div>")?;
-    for variant in variants(&families) {
+    for variant in variants(&QUANTITIES, &families) {
         variant.open(out)?;
-        error_table(page, &variant).write_folded(&variant.name("errors"), out)?;
+        let table = error_table(rows, page.verdicts, &variant);
+        table.write_folded(&variant.name("errors"), out)?;
         writeln!(out, "</div>")?;
     }
     writeln!(out, "<h2>What an evaluation costs</h2><div class=\"pair\">")?;
@@ -81,9 +93,9 @@ struct Variant<'a> {
     first: bool,
 }
 
-fn variants<'a>(families: &[&'a str]) -> Vec<Variant<'a>> {
+fn variants<'a>(quantities: &[Quantity], families: &[&'a str]) -> Vec<Variant<'a>> {
     let mut variants = Vec::new();
-    for quantity in QUANTITIES {
+    for &quantity in quantities {
         for norm in Norm::ALL {
             for &family in families {
                 let first = variants.is_empty();
@@ -121,12 +133,15 @@ pub(super) fn open_family(family: &str, hidden: bool, out: &mut dyn Write) -> io
     writeln!(out, "<div data-when=\"family={family}\"{hidden}>")
 }
 
-fn write_choice(families: &[&str], out: &mut dyn Write) -> io::Result<()> {
+/// Switches of a page: for each the key, the legend, and values with their labels, the first of which is chosen.
+type Choices<'a> = [(&'a str, &'a str, Vec<(&'a str, &'a str)>)];
+
+fn write_choice(choices: &Choices<'_>, out: &mut dyn Write) -> io::Result<()> {
     writeln!(
         out,
         "<form class=\"choose\" aria-label=\"What the figures show\">"
     )?;
-    let mut group = |key: &str, legend: &str, options: &[(&str, &str)]| -> io::Result<()> {
+    for (key, legend, options) in choices {
         write!(out, "<fieldset><legend>{legend}</legend>")?;
         for (number, (value, label)) in options.iter().enumerate() {
             let checked = if number == 0 { " checked" } else { "" };
@@ -135,21 +150,25 @@ fn write_choice(families: &[&str], out: &mut dyn Write) -> io::Result<()> {
                 "<label><input type=\"radio\" name=\"{key}\" value=\"{value}\"{checked}><span>{label}</span></label>"
             )?;
         }
-        writeln!(out, "</fieldset>")
-    };
-    group(
-        "quantity",
-        "Quantity",
-        &[("f", "force f"), ("H", "curvature H")],
-    )?;
-    group(
-        "norm",
-        "Error",
-        &[("max", "at every vertex"), ("mean", "on average")],
-    )?;
-    let families = families.iter().map(|&family| (family, family));
-    group("family", "Mesh", &Vec::from_iter(families))?;
+        writeln!(out, "</fieldset>")?;
+    }
     writeln!(out, "</form>")
+}
+
+fn quantity_choice(quantities: &[Quantity]) -> Vec<(&'static str, &'static str)> {
+    let label = |quantity| match quantity {
+        Quantity::Mean => "curvature H",
+        Quantity::Gaussian => "curvature K",
+        Quantity::LaplacianOfMean => "Laplacian of H",
+        Quantity::ForceDensity => "force f",
+    };
+    let each = quantities.iter();
+    each.map(|&quantity| (quantity.symbol(), label(quantity)))
+        .collect()
+}
+
+fn family_choice<'a>(families: &[&'a str]) -> Vec<(&'a str, &'a str)> {
+    families.iter().map(|&family| (family, family)).collect()
 }
 
 fn write_legend(
@@ -201,13 +220,19 @@ fn error_chart(
         (error.is_finite() && error > 0.0).then(|| Point {
             at: [at, error],
             note: format!(
-                "{} {}, N = {}: {} off, {} an evaluation ({} a vertex)",
+                "{} {}, N = {}: {} off{}",
                 row.method.label(),
                 row.scalar,
                 count(row.vertices),
                 percent(error),
-                time_of(row, seconds(row)),
-                time_of(row, 1e-9 * row.ns_per_vertex),
+                match row.is_timed() {
+                    true => format!(
+                        ", {} an evaluation ({} a vertex)",
+                        time_of(row, seconds(row)),
+                        time_of(row, 1e-9 * row.ns_per_vertex)
+                    ),
+                    false => String::new(),
+                }
             ),
             bounds: None,
         })
@@ -236,14 +261,14 @@ fn error_chart(
 }
 
 /// Errors, times and orders of one state of the switches.
-fn error_table(page: &Page<'_>, variant: &Variant<'_>) -> Table {
+fn error_table(rows: &[Row], verdicts: &[ConvergenceVerdict], variant: &Variant<'_>) -> Table {
     let Variant {
         quantity,
         norm,
         family,
         ..
     } = *variant;
-    let series = series(page.rows, family, quantity);
+    let series = series(rows, family, quantity);
     let numbers = series
         .iter()
         .flat_map(|(.., rows)| rows.iter().map(|row| row.vertices));
@@ -291,18 +316,18 @@ fn error_table(page: &Page<'_>, variant: &Variant<'_>) -> Table {
                         &row.ns_scatter,
                     ],
                 );
-                format!(
-                    "{} <span>{}</span>",
-                    percent(norm.of(row)),
-                    time_of(row, seconds(row))
-                )
+                let error = percent(norm.of(row));
+                match row.is_timed() {
+                    true => format!("{error} <span>{}</span>", time_of(row, seconds(row))),
+                    false => error,
+                }
             }));
         }
         let same = |verdict: &&ConvergenceVerdict| {
             (verdict.method, verdict.scalar, verdict.quantity) == (method, scalar, quantity)
                 && verdict.family == family
         };
-        let order = page.verdicts.iter().find(same).map(|verdict| match norm {
+        let order = verdicts.iter().find(same).map(|verdict| match norm {
             Norm::Max => verdict.order_max,
             Norm::Mean => verdict.order_mean,
         });
@@ -311,11 +336,15 @@ fn error_table(page: &Page<'_>, variant: &Variant<'_>) -> Table {
     }
     Table {
         caption: format!(
-            "{}, {family} meshes, {}: error, and time of an evaluation",
+            "{}, {family} meshes, {}: error{}",
             called(quantity),
             match norm {
                 Norm::Max => "largest error over the vertices",
                 Norm::Mean => "mean error",
+            },
+            match rows.iter().all(Row::is_timed) {
+                true => ", and time of an evaluation",
+                false => "",
             }
         ),
         head,
@@ -324,13 +353,95 @@ fn error_table(page: &Page<'_>, variant: &Variant<'_>) -> Table {
     }
 }
 
+/// The part of a page that shows errors over refinement: the largest beside the mean, for each of these quantities
+/// and each mesh family, with their tables. Its switches of quantity and mesh act on the whole page; captions end
+/// with `about`.
+///
+/// # Errors
+/// Never: writing to memory does not fail.
+pub fn convergence_section(
+    rows: &[Row],
+    verdicts: &[ConvergenceVerdict],
+    quantities: &[Quantity],
+    about: &str,
+) -> io::Result<Section> {
+    let families = each(rows.iter().map(|row| row.family));
+    let mut section = Section::default();
+    let out = &mut section.html;
+    write_choice(
+        &[
+            ("quantity", "Quantity", quantity_choice(quantities)),
+            ("family", "Mesh", family_choice(&families)),
+        ],
+        out,
+    )?;
+    write_legend(rows, None, out)?;
+    writeln!(out, "<div class=\"pair\">")?;
+    for norm in Norm::ALL {
+        writeln!(
+            out,
+            "<figure><figcaption>{} error against the number of vertices <span>{about}</span></figcaption>",
+            match norm {
+                Norm::Max => "Largest",
+                Norm::Mean => "Mean",
+            }
+        )?;
+        let own = variants(quantities, &families).into_iter();
+        for (number, variant) in own.filter(|variant| variant.norm == norm).enumerate() {
+            let id = variant.name("error-vertices");
+            let chart = error_chart(rows, None, &variant, "vertices");
+            open_both(variant.quantity, variant.family, number > 0, out)?;
+            if chart.is_empty() {
+                writeln!(out, "<p class=\"note\">Nothing was measured here.</p>")?;
+            } else {
+                svg::write(&chart, &id, false, out)?;
+                section.charts.push((id, chart));
+            }
+            error_table(rows, verdicts, &variant).write_folded(&variant.name("errors"), out)?;
+            writeln!(out, "</div>")?;
+        }
+        writeln!(out, "</figure>")?;
+    }
+    writeln!(out, "</div>")?;
+    Ok(section)
+}
+
+/// Opens an element that is shown in one state of the switches of quantity and mesh.
+///
+/// # Errors
+/// If `out` cannot be written to.
+pub fn open_both(
+    quantity: Quantity,
+    family: &str,
+    hidden: bool,
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    let hidden = if hidden { " hidden" } else { "" };
+    let quantity = quantity.symbol();
+    writeln!(
+        out,
+        "<div data-when=\"quantity={quantity} family={family}\"{hidden}>"
+    )
+}
+
+/// The largest errors of one quantity on one mesh family against the time of an evaluation.
+pub(super) fn time_chart(rows: &[Row], quantity: Quantity, family: &str) -> Chart {
+    let variant = Variant {
+        quantity,
+        norm: Norm::Max,
+        family,
+        first: true,
+    };
+    error_chart(rows, None, &variant, "time")
+}
+
 /// Every figure of this part, by name.
 pub(super) fn charts(page: &Page<'_>) -> Vec<(String, Chart)> {
     let families = each(page.rows.iter().map(|row| row.family));
     let recommended = answers::recommended(page.rows);
     let recommended = recommended.as_ref();
     let mut charts = Vec::new();
-    for variant in variants(&families) {
+    for variant in variants(&QUANTITIES, &families) {
         for kind in ["time", "vertices"] {
             let name = variant.name(&format!("error-{kind}"));
             charts.push((name, error_chart(page.rows, recommended, &variant, kind)));

@@ -17,6 +17,9 @@ const RIGHT: f64 = 462.0;
 const TOP: f64 = 12.0;
 const BOTTOM: f64 = 304.0;
 
+/// Number of points from which on marks are smaller.
+const MANY: usize = 40;
+
 /// The number of styles: one for each listed method, and the last for published results.
 const STYLES: usize = 15;
 
@@ -68,9 +71,17 @@ struct Places {
 }
 
 impl Places {
-    fn new(scale: AxisScale, values: impl Iterator<Item = f64>, ends: [f64; 2]) -> Self {
-        let logarithmic = scale != AxisScale::Linear;
+    fn new(axis: &Axis, values: impl Iterator<Item = f64>, ends: [f64; 2]) -> Self {
+        let logarithmic = axis.scale != AxisScale::Linear;
         let on = |value: f64| if logarithmic { value.log10() } else { value };
+        if let Some([low, high]) = axis.range.map(|range| range.map(on)) {
+            return Self {
+                logarithmic,
+                low,
+                high,
+                ends,
+            };
+        }
         let (low, high) = values
             .map(on)
             .filter(|value| value.is_finite())
@@ -152,9 +163,9 @@ pub fn write(chart: &Chart, id: &str, styled: bool, out: &mut dyn Write) -> io::
         points.map(move |point| point.at[axis])
     };
     let [x, y] = [
-        Places::new(chart.axes[0].scale, values(0), [LEFT, RIGHT]),
+        Places::new(&chart.axes[0], values(0), [LEFT, RIGHT]),
         Places::new(
-            chart.axes[1].scale,
+            &chart.axes[1],
             values(1).chain(chart.guides.iter().map(|guide| guide.0)),
             [BOTTOM, TOP],
         ),
@@ -202,9 +213,11 @@ pub fn write(chart: &Chart, id: &str, styled: bool, out: &mut dyn Write) -> io::
             continue;
         }
         let mut line = String::new();
-        for (number, ([x, y], _)) in places.iter().enumerate() {
-            let letter = if number == 0 { 'M' } else { 'L' };
-            let _ = write!(line, "{letter}{x:.1} {y:.1}");
+        if curve.marks.has_line() {
+            for (number, ([x, y], _)) in places.iter().enumerate() {
+                let letter = if number == 0 { 'M' } else { 'L' };
+                let _ = write!(line, "{letter}{x:.1} {y:.1}");
+            }
         }
         let own = curve.style.unwrap_or(index);
         let style = own % STYLES;
@@ -217,12 +230,21 @@ pub fn write(chart: &Chart, id: &str, styled: bool, out: &mut dyn Write) -> io::
         let best = if curve.is_strong { " best" } else { "" };
         write!(
             out,
-            "<g class=\"c s{style}{dash}{bare}{best}\" data-m=\"{own}\"><path class=\"l\" d=\"{line}\"/>"
+            "<g class=\"c s{style}{dash}{bare}{best}\" data-m=\"{own}\">"
         )?;
+        if !line.is_empty() {
+            write!(out, "<path class=\"l\" d=\"{line}\"/>")?;
+        }
+        // Marks of many points without a line would hide each other.
+        let size = if !curve.marks.has_line() && places.len() > MANY {
+            2.2
+        } else {
+            4.0
+        };
         for ([x, y], point) in places {
             write!(
                 out,
-                "<path class=\"m\" d=\"{}\" transform=\"translate({x:.1} {y:.1})scale(4)\"><title>{}</title></path>",
+                "<path class=\"m\" d=\"{}\" transform=\"translate({x:.1} {y:.1})scale({size})\"><title>{}</title></path>",
                 MARKS[style],
                 escaped(&point.note)
             )?;

@@ -7,7 +7,11 @@ use crate::study::Quantity;
 use crate::verdict::ConvergenceVerdict;
 use std::io::{self, Write};
 
-pub(super) fn write(verdicts: &[ConvergenceVerdict], out: &mut dyn Write) -> io::Result<()> {
+/// Writes the convergence of every method in f64: a table for each family of meshes.
+///
+/// # Errors
+/// If `out` cannot be written to.
+pub fn write(verdicts: &[ConvergenceVerdict], out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "<section id=\"verdicts\"><h2>Does it converge?</h2>")?;
     if verdicts.is_empty() {
         return writeln!(

@@ -2,35 +2,62 @@
 //! lattice.
 
 use super::{FlowRow, Solver};
-use helfrich_std::plots::{PublishedCurve, parsed};
-use helfrich_std::scalar::Scalar;
+use helfrich_evaluate::scalar::Scalar;
+use helfrich_run::plots::{PublishedCurve, read_curves};
+use helfrich_scene::scene::SHIPPED;
 use serde::Serialize;
 
 /// Published results for the case of the article: curves of D over γ̇t, the article's first.
 pub fn published() -> Vec<PublishedCurve> {
+    let scene = SHIPPED.iter().find(|scene| scene.name == "capsule-shear");
+    let path = scene.map(|scene| scene.path().with_file_name(PUBLISHED));
     // A test checks that it can be read.
-    parsed(include_bytes!(
-        "../../../../std-ext/scene/scenes/capsule-shear-published.csv"
-    ))
-    .unwrap_or_default()
+    path.and_then(|path| read_curves(&path).ok())
+        .unwrap_or_default()
 }
 
-/// Largest difference of a run's D(t) from a curve at its points, as far as the run goes; `None` if no point
-/// is that early.
-pub fn largest_deviation(row: &FlowRow, curve: &PublishedCurve) -> Option<f64> {
-    let deviation = |&[strain, value]: &[f64; 2]| {
+/// The name of the file of published curves among the shipped scenes.
+pub const PUBLISHED: &str = "capsule-shear-published.csv";
+
+/// Differences of a run's D(t) from a published curve.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Deviation {
+    /// The difference of the largest magnitude, of the run minus the curve.
+    pub largest: f64,
+    /// γ̇t of that point of the curve.
+    pub at: f64,
+    /// The shift of γ̇t that would make as large a difference there, by the slope of the run.
+    pub shift: f64,
+    /// The difference at the last point of the curve that the run reaches.
+    pub last: f64,
+    /// γ̇t of that point.
+    pub last_at: f64,
+}
+
+/// The differences of a run's D(t) from a curve at the curve's points, as far as the run goes, between whose rows D is
+/// linear; `None` if no point is that early.
+pub fn deviation(row: &FlowRow, curve: &PublishedCurve) -> Option<Deviation> {
+    let difference = |&[strain, value]: &[f64; 2]| {
         let after = row.transient.iter().position(|point| point[0] >= strain)?;
         let [x1, y1] = row.transient[after];
         let [x0, y0] = row.transient[after.saturating_sub(1)];
-        let share = if x1 > x0 {
-            (strain - x0) / (x1 - x0)
-        } else {
-            0.0
-        };
-        Some((y0 + share * (y1 - y0) - value).abs())
+        let slope = if x1 > x0 { (y1 - y0) / (x1 - x0) } else { 0.0 };
+        let difference = y0 + slope * (strain - x0) - value;
+        Some([strain, difference, (difference / slope).abs()])
     };
-    let deviations = curve.points.iter().filter_map(deviation);
-    deviations.reduce(f64::max)
+    let differences = Vec::from_iter(curve.points.iter().filter_map(difference));
+    let size = |found: &[f64; 3]| found[1].abs();
+    let &[at, largest, shift] = differences
+        .iter()
+        .max_by(|a, b| size(a).total_cmp(&size(b)))?;
+    let &[last_at, last, _] = differences.last()?;
+    Some(Deviation {
+        largest,
+        at,
+        shift,
+        last,
+        last_at,
+    })
 }
 
 /// D in unbounded fluid, from two boxes.

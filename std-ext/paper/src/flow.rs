@@ -1,4 +1,4 @@
-//! One capsule in shear flow, by both solvers and every bending method. This file has the data;
+//! Capsules in shear flow, by both solvers and every bending method. This file has the data;
 //! [`crate::report`] presents them.
 //!
 //! The case is that of Guckenberger, Schraml, Chen, Leonetti and Gekle, Comput. Phys. Commun. 207
@@ -7,19 +7,19 @@
 
 mod compared;
 
-pub use compared::{Boxes, Resolved, boxes, largest_deviation, published, resolved};
+pub use compared::{Boxes, Deviation, PUBLISHED, Resolved, boxes, deviation, published, resolved};
 
-use helfrich_std::method::BendingMethod;
-use helfrich_std::run::{End, Progress, RunError, run};
-use helfrich_std::scalar::Scalar;
-use helfrich_std::scene::{Overrides, SceneFile};
-use helfrich_std::series::SeriesTable;
-use helfrich_std::simulation::build;
-use helfrich_std::study::Cache;
+use helfrich_evaluate::method::BendingMethod;
+use helfrich_evaluate::scalar::Scalar;
+use helfrich_run::run::{End, Progress, RunError, run};
+use helfrich_scene::scene::{Overrides, SHIPPED, SceneFile};
+use helfrich_scene::series::SeriesTable;
+use helfrich_scene::simulation::build;
+use helfrich_study::study::Cache;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf, absolute};
 
 /// The paper's Ca = μγ̇a/G.
 pub const CAPILLARY_NUMBER: f64 = 0.15;
@@ -76,10 +76,14 @@ pub struct FlowCase {
     pub solver: Solver,
     /// The bending method.
     pub method: BendingMethod,
-    /// κ/(a²G).
+    /// Ca = μγ̇a/G.
+    pub capillary: f64,
+    /// κ/(a²G); 0 for a membrane without bending.
     pub bending: f64,
     /// Number of vertices of the capsule.
     pub vertices: usize,
+    /// γ̇t at the end of the run.
+    pub strain: f64,
 }
 
 /// The result of a run.
@@ -100,6 +104,8 @@ pub struct FlowRow {
     pub volume_change: f64,
     /// Deformation over γ̇t.
     pub transient: Vec<[f64; 2]>,
+    /// Inclination in degrees over γ̇t.
+    pub inclinations: Vec<[f64; 2]>,
     /// Number of time steps.
     pub steps: u64,
     /// Duration of the run in seconds.
@@ -115,6 +121,7 @@ struct Found {
     inclination: f64,
     volume_change: f64,
     transient: Vec<[f64; 2]>,
+    inclinations: Vec<[f64; 2]>,
     steps: u64,
     seconds: f64,
 }
@@ -128,6 +135,7 @@ impl Found {
             inclination,
             volume_change,
             transient,
+            inclinations,
             steps,
             seconds,
         } = self;
@@ -139,6 +147,7 @@ impl Found {
             inclination,
             volume_change,
             transient,
+            inclinations,
             steps,
             seconds,
         }
@@ -207,12 +216,23 @@ pub enum FlowStudyError {
     Folder(#[from] io::Error),
 }
 
+impl FlowStudyError {
+    /// Whether the error is that of an output, and not of a scene.
+    pub fn is_output(&self) -> bool {
+        match self {
+            Self::Scene { .. } => false,
+            Self::Run(error) => error.is_output(),
+            Self::Folder(_) => true,
+        }
+    }
+}
+
 impl fmt::Display for FlowCase {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             formatter,
-            "{}, {}, b = {}",
-            self.solver, self.method, self.bending
+            "{}, {}, Ca = {}, b = {}",
+            self.solver, self.method, self.capillary, self.bending
         )
     }
 }
@@ -239,7 +259,9 @@ impl FlowStudy {
         let of = |solver: Solver, method: BendingMethod, bending: f64| FlowCase {
             solver,
             method,
+            capillary: CAPILLARY_NUMBER,
             bending,
+            strain: self.strain,
             vertices: match solver {
                 Solver::LatticeBoltzmann { resolution, .. }
                     if resolution > FINE && bending < BENDING =>
@@ -290,65 +312,54 @@ impl FlowStudy {
         }
         cases
     }
+}
 
-    /// Performs all runs.
-    ///
-    /// # Errors
-    /// If a run cannot begin, or there is no space on the disk. A failed run is a row with its failure.
-    pub fn run(
-        &self,
-        interrupted: &dyn Fn() -> bool,
-        progress: &mut dyn FnMut(&FlowProgress<'_>),
-    ) -> Result<Vec<FlowRow>, FlowStudyError> {
-        self.run_with(None, interrupted, progress)
-    }
-
-    /// Performs the runs that are not in the cache, and stores them.
-    ///
-    /// # Errors
-    /// If a run cannot begin, or there is no space on the disk.
-    pub fn run_with(
-        &self,
-        mut cache: Option<&mut Cache>,
-        interrupted: &dyn Fn() -> bool,
-        progress: &mut dyn FnMut(&FlowProgress<'_>),
-    ) -> Result<Vec<FlowRow>, FlowStudyError> {
-        let cases = self.cases();
-        let folder = tempfile::tempdir()?;
-        let total: f64 = cases.iter().map(FlowCase::weight).sum();
-        let mut before = 0.0;
-        let mut rows = Vec::new();
-        for (number, case) in cases.iter().enumerate() {
-            if interrupted() {
-                break;
-            }
-            let mut tell = |run: &Progress<'_>| {
-                progress(&FlowProgress {
-                    fraction: (before + case.weight() * run.fraction) / total,
-                    case,
-                    run,
-                });
-            };
-            let key = format!("flow {case}, {} vertices, {}", case.vertices, self.strain);
-            let known = cache.as_deref().and_then(|cache| cache.get::<Found>(&key));
-            let found = match known {
-                Some(found) => found,
-                None => {
-                    let folder = folder.path().join(number.to_string());
-                    let found = case.run(self.strain, &folder, interrupted, &mut tell)?;
-                    if let Some(cache) = &mut cache
-                        && found.end != End::Interrupted
-                    {
-                        cache.insert(key, &found);
-                    }
-                    found
-                }
-            };
-            rows.push(found.of(*case));
-            before += case.weight();
+/// Performs runs in subfolders of a folder, except those in the cache, and stores their results there. A run that the
+/// same program on the same machine has begun in this folder, which only the cache knows, is continued; other folders
+/// that are there are left alone.
+///
+/// # Errors
+/// If a run cannot begin, or there is no space on the disk. A failed run is a row with its failure.
+pub fn run_cases(
+    cases: &[FlowCase],
+    folder: &Path,
+    mut cache: Option<&mut Cache>,
+    interrupted: &dyn Fn() -> bool,
+    progress: &mut dyn FnMut(&FlowProgress<'_>),
+) -> Result<Vec<FlowRow>, FlowStudyError> {
+    let total: f64 = cases.iter().map(FlowCase::weight).sum();
+    let mut before = 0.0;
+    let mut rows = Vec::new();
+    for case in cases {
+        if interrupted() {
+            break;
         }
-        Ok(rows)
+        let mut tell = |run: &Progress<'_>| {
+            progress(&FlowProgress {
+                fraction: (before + case.weight() * run.fraction) / total,
+                case,
+                run,
+            });
+        };
+        let key = format!("flow {case}, {} vertices, {}", case.vertices, case.strain);
+        let known = cache.as_deref().and_then(|cache| cache.get::<Found>(&key));
+        let found = match known {
+            Some(found) => found,
+            None => {
+                let (place, resume) = case.place(&key, folder, cache.as_deref_mut());
+                let found = case.run(&place, resume, interrupted, &mut tell)?;
+                if let Some(cache) = &mut cache
+                    && found.end != End::Interrupted
+                {
+                    cache.insert(key, &found);
+                }
+                found
+            }
+        };
+        rows.push(found.of(*case));
+        before += case.weight();
     }
+    Ok(rows)
 }
 
 impl FlowCase {
@@ -362,27 +373,78 @@ impl FlowCase {
         }
     }
 
-    fn file(&self, strain: f64) -> Result<SceneFile, FlowStudyError> {
+    /// The name of its folder.
+    fn name(&self) -> String {
+        let solver = match self.solver {
+            Solver::BoundaryIntegral => "boundary-integral".to_owned(),
+            Solver::LatticeBoltzmann {
+                resolution,
+                size,
+                precision,
+            } => format!("lattice-{resolution}-{size}-{precision}"),
+        };
+        let Self {
+            method,
+            capillary,
+            bending,
+            vertices,
+            strain,
+            ..
+        } = self;
+        format!("{solver}-{method}-{capillary}-{bending}-{vertices}-{strain}")
+    }
+
+    /// The folder of the run, and whether it continues the run there.
+    fn place(&self, key: &str, folder: &Path, cache: Option<&mut Cache>) -> (PathBuf, bool) {
+        let begun = format!("begun {key}");
+        let folder = absolute(folder).unwrap_or_else(|_| folder.to_owned());
+        let own = cache
+            .as_deref()
+            .and_then(|cache| cache.get::<PathBuf>(&begun));
+        if let Some(own) = own.filter(|own| own.parent() == Some(&folder) && own.is_dir()) {
+            return (own, true);
+        }
+        let name = self.name();
+        let numbered = (2..).map(|number| format!("{name}-{number}"));
+        let names = std::iter::once(name.clone()).chain(numbered);
+        let mut places = names.map(|name| folder.join(name));
+        let free = places.find(|place| place.symlink_metadata().is_err());
+        let place = free.unwrap_or_else(|| folder.join(&name));
+        if let Some(cache) = cache {
+            cache.insert(begun, &place);
+            // A failure is reported when the cache is saved for the last time.
+            let _ = cache.save();
+        }
+        (place, false)
+    }
+
+    fn file(&self) -> Result<SceneFile, FlowStudyError> {
         let family = match self.method {
             // Method S needs a surface that is as smooth as possible.
             BendingMethod::Loop => "smooth",
             _ => "regular",
         };
         let mut keys = vec![
-            format!("driver.strain={strain}"),
-            format!("surface.0.bending.method={}", self.method),
-            format!("surface.0.bending.modulus={}", self.bending),
+            format!("driver.strain={}", self.strain),
+            format!("driver.flow.rate={}", self.capillary),
             format!("surface.0.vertices={}", self.vertices),
             format!("surface.0.family={family}"),
+            // The published curve has points at γ̇t = 0.051 and 0.1, between which D nearly doubles.
+            "output.strain_interval=0.05".to_owned(),
             "output.pictures=false".to_owned(),
             "output.surfaces=false".to_owned(),
             "output.slice=".to_owned(),
             "output.plot=".to_owned(),
         ];
-        let text = match self.solver {
-            Solver::BoundaryIntegral => {
-                include_str!("../../../std-ext/scene/scenes/capsule-shear.toml")
-            }
+        match self.bending {
+            0.0 => keys.push("surface.0.bending=".to_owned()),
+            modulus => keys.extend([
+                format!("surface.0.bending.method={}", self.method),
+                format!("surface.0.bending.modulus={modulus}"),
+            ]),
+        }
+        let name = match self.solver {
+            Solver::BoundaryIntegral => "capsule-shear",
             Solver::LatticeBoltzmann {
                 resolution,
                 size,
@@ -391,9 +453,12 @@ impl FlowCase {
                 keys.push(format!("driver.resolution={resolution}"));
                 keys.push(format!("driver.box=[{size}, {size}, {size}]"));
                 keys.push(format!("driver.precision={precision}"));
-                include_str!("../../../std-ext/scene/scenes/capsule-shear-lattice.toml")
+                "capsule-shear-lattice"
             }
         };
+        // A test runs both scenes.
+        let text = SHIPPED.iter().find(|scene| scene.name == name);
+        let text = text.map_or("", |scene| scene.text);
         let problem = |error: &dyn fmt::Display| FlowStudyError::Scene {
             case: self.to_string(),
             message: error.to_string(),
@@ -404,36 +469,39 @@ impl FlowCase {
 
     fn run(
         &self,
-        strain: f64,
         folder: &Path,
+        resume: bool,
         interrupted: &dyn Fn() -> bool,
         progress: &mut dyn FnMut(&Progress<'_>),
     ) -> Result<Found, FlowStudyError> {
-        let file = self.file(strain)?;
+        let file = self.file()?;
         let ready = build(&file).map_err(|error| FlowStudyError::Scene {
             case: self.to_string(),
             message: error.to_string(),
         })?;
-        let summary = run(&file.scene, ready, folder, false, interrupted, progress)?;
+        let summary = run(&file.scene, ready, folder, resume, interrupted, progress)?;
         let series = SeriesTable::read(&folder.join("series.csv")).map_err(RunError::Series)?;
         let column = |name: &str| {
-            let place = series.columns.iter().position(|column| column == name);
-            let rows = series.rows.iter();
-            Vec::from_iter(rows.map(|row| place.map_or(f64::NAN, |place| row[place])))
+            let unknown = || vec![f64::NAN; series.rows.len()];
+            series.column(name).unwrap_or_else(unknown)
         };
         let ends = |name: &str| {
             let column = column(name);
             [column.first(), column.last()].map(|end| end.copied().unwrap_or(f64::NAN))
         };
         let [start, end] = ends("volume");
-        let transient = column("strain").into_iter().zip(column("deformation"));
+        let pairs = |name: &str| {
+            let pairs = column("strain").into_iter().zip(column(name));
+            pairs.map(|(strain, value)| [strain, value]).collect()
+        };
         Ok(Found {
             end: summary.end,
             message: summary.message,
             deformation: ends("deformation")[1],
             inclination: ends("inclination")[1],
             volume_change: end / start - 1.0,
-            transient: transient.map(|(strain, value)| [strain, value]).collect(),
+            transient: pairs("deformation"),
+            inclinations: pairs("inclination"),
             steps: summary.iterations,
             seconds: summary.seconds,
         })
