@@ -11,7 +11,7 @@ use helfrich_paper::curvature::{CellStudy, METHODS, NodeRow};
 use helfrich_paper::flow::{
     BENDING, CAPILLARY_NUMBER, FlowCase, FlowRow, FlowStudyError, Solver, run_cases,
 };
-use helfrich_paper::report::{Cell, DOCUMENT, Page};
+use helfrich_paper::report::{CellResults, DOCUMENT, Page};
 use helfrich_std::execute::{Interruption, interruptible};
 use helfrich_std::generate::{self, AnyShape, Family};
 use helfrich_std::method::{AnyMethod, BendingMethod};
@@ -350,7 +350,7 @@ impl PaperArguments {
         let page = Page {
             cell: cell
                 .zip(made.cell.as_ref())
-                .map(|(study, (rows, nodes))| Cell { study, rows, nodes }),
+                .map(|(study, (rows, nodes))| CellResults { study, rows, nodes }),
             capsules: made.capsules.as_deref(),
             precision: made.precision.as_deref(),
             quick: self.quick,

@@ -84,7 +84,7 @@ pub const LARGE: f64 = 0.1;
 
 /// Values at a vertex near a meridian.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Node {
+pub struct MeridianNode {
     /// Length of the meridian from the pole to the vertex, mirrored into the upper half.
     pub arc: f64,
     /// Number of neighbours.
@@ -105,11 +105,11 @@ pub struct NodeRow {
     /// Errors of [`QUANTITIES`]; none if the method does not define it.
     pub spreads: [Option<Spread>; 3],
     /// Values along the meridian; none outside of [`ALONG`].
-    pub nodes: Vec<Node>,
+    pub nodes: Vec<MeridianNode>,
 }
 
 /// What is cached of a method.
-type Kept = ([Option<Spread>; 3], Vec<Node>);
+type Kept = ([Option<Spread>; 3], Vec<MeridianNode>);
 
 impl CellStudy {
     /// Studies with options, one for each set of options among the methods.
@@ -251,7 +251,12 @@ impl CellStudy {
     }
 
     /// Values of a method at the vertices near a meridian, mirrored into one eighth of the mesh.
-    fn along(&self, fields: &ErrorFields, method: AnyMethod, options: MethodOptions) -> Vec<Node> {
+    fn along(
+        &self,
+        fields: &ErrorFields,
+        method: AnyMethod,
+        options: MethodOptions,
+    ) -> Vec<MeridianNode> {
         let mesh = &fields.mesh;
         let Ok(surface) = Surface::new(&mesh.mesh, &mesh.positions) else {
             return Vec::new();
@@ -274,7 +279,7 @@ impl CellStudy {
             let place = polar * (meridian.len() - 1) as f64;
             let low = (place as usize).min(meridian.len() - 2);
             let share = place - low as f64;
-            nodes.push(Node {
+            nodes.push(MeridianNode {
                 arc: meridian[low] + share * (meridian[low + 1] - meridian[low]),
                 valence: mesh.mesh.valence(vertex),
                 values: [

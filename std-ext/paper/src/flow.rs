@@ -114,7 +114,7 @@ pub struct FlowRow {
 
 /// Results of a row, without its case, as they are cached.
 #[derive(Serialize, Deserialize)]
-struct Found {
+struct CachedFlow {
     end: End,
     message: String,
     deformation: f64,
@@ -126,7 +126,7 @@ struct Found {
     seconds: f64,
 }
 
-impl Found {
+impl CachedFlow {
     fn of(self, case: FlowCase) -> FlowRow {
         let Self {
             end,
@@ -342,7 +342,9 @@ pub fn run_cases(
             });
         };
         let key = format!("flow {case}, {} vertices, {}", case.vertices, case.strain);
-        let known = cache.as_deref().and_then(|cache| cache.get::<Found>(&key));
+        let known = cache
+            .as_deref()
+            .and_then(|cache| cache.get::<CachedFlow>(&key));
         let found = match known {
             Some(found) => found,
             None => {
@@ -473,7 +475,7 @@ impl FlowCase {
         resume: bool,
         interrupted: &dyn Fn() -> bool,
         progress: &mut dyn FnMut(&Progress<'_>),
-    ) -> Result<Found, FlowStudyError> {
+    ) -> Result<CachedFlow, FlowStudyError> {
         let file = self.file()?;
         let ready = build(&file).map_err(|error| FlowStudyError::Scene {
             case: self.to_string(),
@@ -494,7 +496,7 @@ impl FlowCase {
             let pairs = column("strain").into_iter().zip(column(name));
             pairs.map(|(strain, value)| [strain, value]).collect()
         };
-        Ok(Found {
+        Ok(CachedFlow {
             end: summary.end,
             message: summary.message,
             deformation: ends("deformation")[1],

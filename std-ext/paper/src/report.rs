@@ -29,7 +29,7 @@ pub const DOCUMENT: Document<'static> = Document {
 
 /// Results of the cell.
 #[derive(Clone, Copy, Debug)]
-pub struct Cell<'a> {
+pub struct CellResults<'a> {
     /// The study.
     pub study: &'a CellStudy,
     /// Errors over refinement, in f64.
@@ -42,7 +42,7 @@ pub struct Cell<'a> {
 #[derive(Clone, Copy, Debug)]
 pub struct Page<'a> {
     /// The exact red blood cell.
-    pub cell: Option<Cell<'a>>,
+    pub cell: Option<CellResults<'a>>,
     /// Capsules in shear flow.
     pub capsules: Option<&'a [FlowRow]>,
     /// The cell in every number type, with times, on the first family.

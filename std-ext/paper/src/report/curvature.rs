@@ -1,6 +1,6 @@
 //! The red blood cell: errors over refinement, errors at vertices, and values along the meridian.
 
-use super::Cell;
+use super::CellResults;
 use crate::curvature::{LARGE, NodeRow, QUANTITIES, Spread};
 use helfrich_draw::picture::{Axis, Chart, Curve, Marks, Point};
 use helfrich_evaluate::method::AnyMethod;
@@ -19,7 +19,7 @@ const MARGIN: f64 = 0.5;
 const DRAWN: usize = 96;
 
 /// The section; `about` describes the rows, `program` its version.
-pub(super) fn section(cell: &Cell<'_>, about: &str, program: &str) -> io::Result<Section> {
+pub(super) fn section(cell: &CellResults<'_>, about: &str, program: &str) -> io::Result<Section> {
     let verdicts = verdicts(cell.rows);
     let mut section = Section::default();
     let out = &mut section.html;
@@ -41,7 +41,7 @@ pub(super) fn section(cell: &Cell<'_>, about: &str, program: &str) -> io::Result
 }
 
 /// Tables of errors at vertices with six neighbours and at the others.
-fn at_nodes(cell: &Cell<'_>, out: &mut dyn Write) -> io::Result<()> {
+fn at_nodes(cell: &CellResults<'_>, out: &mut dyn Write) -> io::Result<()> {
     let Some(first) = cell.nodes.first() else {
         return Ok(());
     };
@@ -135,7 +135,7 @@ fn symbol(quantity: Quantity) -> &'static str {
 
 /// Figures of values along the meridian: one for each method and quantity.
 fn along_meridian(
-    cell: &Cell<'_>,
+    cell: &CellResults<'_>,
     program: &str,
     out: &mut dyn Write,
 ) -> io::Result<Vec<(String, Chart)>> {

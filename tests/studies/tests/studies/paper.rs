@@ -6,7 +6,7 @@ use helfrich_paper::curvature::{ALONG, CellStudy, METHODS, QUANTITIES, as_publis
 use helfrich_paper::flow::{BENDING, CAPILLARY_NUMBER, Solver};
 use helfrich_paper::literature::{DIGITISED, Mesh, computed, prototype, steady};
 use helfrich_paper::report::deviations::Agreement;
-use helfrich_paper::report::{Cell, Page};
+use helfrich_paper::report::{CellResults, Page};
 use helfrich_std::generate::{AnyShape, Family};
 use helfrich_std::method::{AnyMethod, BendingMethod};
 use helfrich_std::provenance::{Build, Provenance};
@@ -178,7 +178,7 @@ fn the_page_has_figures_rows_and_sources() {
         target: "none",
     });
     let page = Page {
-        cell: Some(Cell {
+        cell: Some(CellResults {
             study: &study,
             rows: &rows,
             nodes: &nodes,
