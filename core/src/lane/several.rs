@@ -6,14 +6,23 @@ use core::ops::{Add, Mul, Neg, Sub};
 
 /// Number of reals in the lane: two vectors of 32 bytes in f64, one in f32. In f64 a lane with half
 /// of this number was not faster.
+#[cfg(not(target_arch = "wasm32"))]
 pub(crate) const WIDTH: usize = 8;
+/// Number of reals in the lane: one vector of 16 bytes in f64, the widest there is. Compilers keep longer arrays in memory,
+/// and copy them by function calls.
+#[cfg(target_arch = "wasm32")]
+pub(crate) const WIDTH: usize = 2;
 
 /// The array whose entry `$k` is `$entry`, written out: a loop over a few entries would have to be unrolled in every
 /// formula, which takes half of the time to compile fits.
 macro_rules! entries {
-    (|$k:ident| $entry:expr) => {
-        entries!(|$k| $entry, 0 1 2 3 4 5 6 7)
-    };
+    (|$k:ident| $entry:expr) => {{
+        #[cfg(not(target_arch = "wasm32"))]
+        let entries = entries!(|$k| $entry, 0 1 2 3 4 5 6 7);
+        #[cfg(target_arch = "wasm32")]
+        let entries = entries!(|$k| $entry, 0 1);
+        entries
+    }};
     (|$k:ident| $entry:expr, $($index:literal)*) => {
         [$({
             const $k: usize = $index;
@@ -25,7 +34,8 @@ macro_rules! entries {
 /// Several numbers as one lane. Compilers combine the operations of its entries to vectors of the width that the
 /// enclosing function allows. The alignment of 32 bytes keeps vectors from crossing cache lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(align(32))]
+#[cfg_attr(not(target_arch = "wasm32"), repr(align(32)))]
+#[cfg_attr(target_arch = "wasm32", repr(align(16)))]
 pub(crate) struct Several<T>(pub(crate) [T; WIDTH]);
 
 /// The operators for the innermost loops of fits.
