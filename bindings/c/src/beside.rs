@@ -108,6 +108,7 @@ fn repulsion<N: Number>(
         range,
         attraction: 0.0,
         parts: false,
+        first_group: None,
         images: Images { periods, own: true },
     };
     let mut meshes = Vec::with_capacity(handles.len());

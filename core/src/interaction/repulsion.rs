@@ -58,6 +58,9 @@ pub struct Repulsion<T> {
     pub attraction: T,
     /// Whether parts of one surface, connected or not, act on each other.
     pub parts: bool,
+    /// The number of surfaces in a first group, if there are two groups: those at the start act on all others, and none on
+    /// another of its group.
+    pub first_group: Option<usize>,
     /// The periodic box, if there is one.
     pub images: Images<T>,
 }
@@ -185,8 +188,17 @@ impl<T: Real> Repulsion<T> {
             range,
             attraction: (one + two * rest) / (three * rest * rest),
             parts: false,
+            first_group: None,
             images: Images::none(),
         }
+    }
+
+    /// Whether two surfaces with these numbers may act on each other, or one on itself and its images.
+    pub fn acts(&self, one: usize, other: usize) -> bool {
+        one == other
+            || self
+                .first_group
+                .is_none_or(|first| (one < first) != (other < first))
     }
 
     /// Finds near pairs, sets `sums` and `moved`, adds the forces on triangles and returns the energy; nothing where none

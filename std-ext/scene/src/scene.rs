@@ -77,6 +77,7 @@ use crate::flow::{Barrier, Course};
 use crate::scalar::Scalar;
 use helfrich::{Images, Repulsion};
 use serde::Serialize;
+use std::ops::Range;
 use std::path::Path;
 
 /// A validated scene: surfaces, effects, driver and outputs.
@@ -160,6 +161,29 @@ pub enum UnitSystem {
     None,
 }
 
+/// One side of an interaction: a surface, an obstacle, or all surfaces of a population.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Side {
+    /// The first of them, counted from 0; obstacles count after the surfaces.
+    pub first: usize,
+    /// Their number.
+    pub count: usize,
+}
+
+impl Side {
+    /// Those on this side.
+    pub fn range(self) -> Range<usize> {
+        self.first..self.first + self.count
+    }
+}
+
+impl From<usize> for Side {
+    /// A single one.
+    fn from(first: usize) -> Self {
+        Self { first, count: 1 }
+    }
+}
+
 /// An interaction between surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case", tag = "kind")]
@@ -171,11 +195,11 @@ pub enum InteractionScene {
         strength: f64,
         /// r_c, the range; there is no repulsion beyond it.
         cutoff: f64,
-        /// The two surfaces, counted from 0, or twice the same surface for its own images; obstacles count after
-        /// the surfaces. `None`: every pair and, in a periodic box, every surface with its own images; but on a lattice
-        /// also every surface with every obstacle.
+        /// The two sides; twice the same one for surfaces among themselves and with their own images. `None`: every pair
+        /// and, in a periodic box, every surface with its own images; but on a lattice also every surface with every
+        /// obstacle.
         #[serde(skip_serializing_if = "Option::is_none")]
-        between: Option<[usize; 2]>,
+        between: Option<[Side; 2]>,
         /// Whether parts of one surface act on each other where they face each other.
         parts: bool,
     },
@@ -189,7 +213,7 @@ pub enum InteractionScene {
         cutoff: f64,
         /// As for a repulsion.
         #[serde(skip_serializing_if = "Option::is_none")]
-        between: Option<[usize; 2]>,
+        between: Option<[Side; 2]>,
         /// As for a repulsion.
         parts: bool,
     },
@@ -217,6 +241,7 @@ impl InteractionScene {
                 range: cutoff,
                 attraction: 0.0,
                 parts,
+                first_group: None,
                 images: Images::none(),
             },
             Self::Adhesion {
@@ -232,8 +257,8 @@ impl InteractionScene {
         }
     }
 
-    /// The surfaces between which it acts; `None` for all.
-    pub(crate) fn between(&self) -> Option<[usize; 2]> {
+    /// The sides between which it acts; `None` for all surfaces.
+    pub(crate) fn between(&self) -> Option<[Side; 2]> {
         match *self {
             Self::Repulsion { between, .. } | Self::Adhesion { between, .. } => between,
         }

@@ -17,6 +17,7 @@ use helfrich_tests::tolerance::{self, Tolerance};
 use proptest::prelude::*;
 use std::f64::consts::PI;
 use std::num::NonZeroUsize;
+use std::ops::Range;
 
 /// Repulsion in f32 against f64, relative.
 const REPULSION_SINGLE: Tolerance = Tolerance::new(
@@ -33,6 +34,7 @@ fn free<T: Real>(modulus: T, range: T) -> Repulsion<T> {
         range,
         attraction: T::zero(),
         parts: false,
+        first_group: None,
         images: Images::none(),
     }
 }
@@ -187,6 +189,7 @@ fn by_pairs(
         range,
         attraction,
         parts,
+        first_group,
         images,
     } = repulsion;
     let normals = Vec::from_iter(
@@ -205,7 +208,8 @@ fn by_pairs(
     for (a, b) in pairs {
         for &shift in &shifts {
             let own_parts = a == b && shift == [0.0; 3];
-            if own_parts && !parts || a == b && !own_parts && !images.own {
+            let one_group = first_group.is_some_and(|first| a != b && (a < first) == (b < first));
+            if one_group || own_parts && !parts || a == b && !own_parts && !images.own {
                 continue;
             }
             for (i, &x) in positions[a].iter().enumerate() {
@@ -325,6 +329,7 @@ fn check_gradient(repulsion: Repulsion<f64>, meshes: &[Mesh], seed: u64) {
         range: F1::cst(repulsion.range),
         attraction: F1::cst(repulsion.attraction),
         parts: repulsion.parts,
+        first_group: repulsion.first_group,
         images: Images {
             periods: repulsion.images.periods.map(F1::cst),
             own: repulsion.images.own,
@@ -356,8 +361,9 @@ proptest! {
         count in 2..6_usize,
         range in 0.05..2.5,
         attraction in attractions(),
+        first_group in prop::option::of(1..4_usize),
     ) {
-        let repulsion = Repulsion { attraction, ..free(3.0, range) };
+        let repulsion = Repulsion { attraction, first_group, ..free(3.0, range) };
         check_pairs(repulsion, &crowd(seed, count));
     }
 
@@ -366,8 +372,9 @@ proptest! {
         seed in 0..1_000_000_u64,
         range in 0.2..1.0,
         attraction in attractions(),
+        first_group in prop::option::of(Just(1)),
     ) {
-        let repulsion = Repulsion { attraction, ..free(3.0, range) };
+        let repulsion = Repulsion { attraction, first_group, ..free(3.0, range) };
         check_gradient(repulsion, &crowd(seed, 3), seed);
     }
 
@@ -614,6 +621,49 @@ fn what_is_far_costs_nothing() {
         let nowhere = Repulsion { range, ..repulsion };
         let (energy, forces) = evaluate(nowhere, &meshes, &positions(&meshes));
         assert_eq!((energy, largest(&forces.concat())), (0.0, 0.0), "{range}");
+    }
+}
+
+/// Two groups have the energy of all surfaces less that of each group alone, also with images.
+#[test]
+fn groups_act_on_each_other_alone() {
+    let meshes = crowd(5, 5);
+    let all = positions(&meshes);
+    for periods in [[0.0; 3], [2.5, 0.0, 3.0]] {
+        let images = Images {
+            periods,
+            own: false,
+        };
+        let repulsion = Repulsion {
+            images,
+            ..free(2.0, 0.6)
+        };
+        let energy = |range: Range<usize>, first_group| {
+            let repulsion = Repulsion {
+                first_group,
+                ..repulsion
+            };
+            evaluate(repulsion, &meshes[range.clone()], &all[range])
+        };
+        let (whole, _) = energy(0..5, None);
+        let (between, forces) = energy(0..5, Some(2));
+        let [(one, on_one), (other, on_other)] = [energy(0..2, None), energy(2..5, None)];
+        assert!(
+            one + other > 0.0 && between > 0.0,
+            "{one}, {other}, {between}"
+        );
+        tolerance::SAME.assert(between + one + other, whole, whole, "E");
+        let (_, expected) = energy(0..5, None);
+        let scale = largest(&expected.concat());
+        let alone = on_one.iter().chain(&on_other).flatten();
+        let parts = forces.iter().flatten().zip(alone);
+        for ((a, b), sum) in parts.zip(expected.iter().flatten()) {
+            let apart = difference(difference(*sum, *a), *b);
+            tolerance::SAME.assert(norm(apart), 0.0, scale, "F");
+        }
+        // A group of all or of none leaves nothing to act on.
+        assert_eq!(energy(0..5, Some(0)).0, 0.0);
+        assert_eq!(energy(0..5, Some(5)).0, 0.0);
     }
 }
 

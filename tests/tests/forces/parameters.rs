@@ -128,6 +128,7 @@ fn a_repulsion_without_modulus_has_no_energy() {
             range: 0.2,
             attraction: 0.0,
             parts: false,
+            first_group: None,
             images: Images::none(),
         };
         let surfaces = [near.surface(), other.surface()];

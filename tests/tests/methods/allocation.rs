@@ -123,6 +123,7 @@ fn repulsion_allocates_once() {
             range: 0.6,
             attraction: 0.0,
             parts: false,
+            first_group: None,
             images,
         });
     }

@@ -82,6 +82,7 @@ fn repulsion_is_that_of_the_core() {
             range: 0.2,
             attraction: 0.0,
             parts: false,
+            first_group: None,
             images,
         };
         let mut expected = vec![[0.0; 3]; total];

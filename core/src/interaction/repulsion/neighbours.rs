@@ -296,7 +296,9 @@ impl<T: Real> Neighbours<T> {
             let vertex = NearVertex::at(place, surfaces[place[0] as usize]);
             let mut kept = 0;
             for k in 0..slots.len() {
-                if near.is_near(&vertex, &near_faces[slots[k] as usize]) {
+                let face = slots[k] as usize;
+                let acts = repulsion.acts(place[0] as usize, found[face][0] as usize);
+                if acts && near.is_near(&vertex, &near_faces[face]) {
                     slots[kept] = slots[k];
                     kept += 1;
                 }
@@ -363,7 +365,8 @@ impl<T: Real> Neighbours<T> {
         for (a, surface) in surfaces.iter().enumerate() {
             near.clear();
             let mut own = repulsion.parts;
-            for b in (0..surfaces.len()).filter(|&b| a != b || images.own) {
+            let others = (0..surfaces.len()).filter(|&b| repulsion.acts(a, b));
+            for b in others.filter(|&b| a != b || images.own) {
                 let [low, high] = bounds[b];
                 let widened = |by: T| [low.map(|x| x - by), high.map(|x| x + by)];
                 let before = near.len();

@@ -16,7 +16,7 @@ use super::source::Source;
 use super::tables::SCENE;
 use super::units::{Scale, TEMPERATURE, is_thermal};
 use super::value::{Origin, Origins, Table, Value};
-use super::{Driver, InteractionScene, MeshFiles, Scene, SceneFile, UnitSystem};
+use super::{Driver, InteractionScene, MeshFiles, Scene, SceneFile, Side, UnitSystem};
 use crate::six::Six;
 use crate::six::rounded;
 use helfrich::Images;
@@ -195,6 +195,15 @@ impl Builder<'_> {
             ),
             surfaces: surfaces.len(),
             all: surfaces.len() + if met { obstacles.len() } else { 0 },
+            populations: Vec::from_iter(crowds.iter().map(|reader| {
+                let name = reader.text("name").unwrap_or_default();
+                let placed = populations.iter().find(|all| all.name == name);
+                let side = placed.map(|all| Side {
+                    first: all.surfaces.start,
+                    count: all.count(),
+                });
+                (name, side)
+            })),
         };
         if let ([], true, [first, ..]) = (interactions.as_slice(), relaxes, solids.as_slice()) {
             self.contradiction(
@@ -271,33 +280,37 @@ impl Builder<'_> {
         }
         let mut between = None;
         if let [a, b] = names.as_slice() {
-            let known = &bodies.names;
             let origin = interaction.origin_of("between");
-            let mut index = |name: &str| {
-                let found = known.iter().position(|known| *known == name);
-                if found.is_none() {
-                    let problem = Problem::UnknownName {
-                        key: "between".to_owned(),
-                        name: name.to_owned(),
-                        nearest: super::keys::nearest(name, known),
-                        known: known.join(", "),
-                    };
+            let mut side = |name: &str| match bodies.named(name) {
+                Ok(side) => side,
+                Err(problem) => {
                     self.problems.add(&origin, problem);
+                    None
                 }
-                found
             };
-            if let (Some(a), Some(b)) = (index(a), index(b)) {
-                if a == b && alone && !parts {
+            let names = [a, b];
+            if let (Some(a), Some(b)) = (side(a), side(b)) {
+                if a == b && a.count == 1 && alone && !parts {
                     self.contradiction(
                         &origin,
                         format!(
                             "`between` names \"{}\" twice: two surfaces are needed where no box is periodic, or \
                              `parts = true` for contact of the surface with itself",
-                            known[a]
+                            names[0]
                         ),
                     );
                 }
-                if a.min(b) >= bodies.surfaces {
+                if a != b && a.range().any(|surface| b.range().contains(&surface)) {
+                    self.contradiction(
+                        &origin,
+                        format!(
+                            "`between` names \"{}\" and \"{}\", of which one is part of the other: name two without \
+                             common surfaces, or the population twice for all its pairs",
+                            names[0], names[1]
+                        ),
+                    );
+                }
+                if a.first.min(b.first) >= bodies.surfaces {
                     self.contradiction(
                         &origin,
                         "`between` names two obstacles, which do not move: name a surface"
@@ -342,7 +355,7 @@ impl Builder<'_> {
     }
 }
 
-/// Surfaces and obstacles, of which interactions name two.
+/// Surfaces, populations and obstacles, of which interactions name two.
 struct Bodies<'a> {
     /// The names of the surfaces, then those of the obstacles.
     names: Vec<&'a str>,
@@ -350,10 +363,41 @@ struct Bodies<'a> {
     surfaces: usize,
     /// Number of all that interact unless they are named.
     all: usize,
+    /// The names of populations, with their surfaces if they have places.
+    populations: Vec<(&'a str, Option<Side>)>,
+}
+
+impl Bodies<'_> {
+    /// Those with this name; an error if there are none. None, too, for a population without places, of which the reason is
+    /// known already.
+    fn named(&self, name: &str) -> Result<Option<Side>, Problem> {
+        if let Some((_, side)) = self.populations.iter().find(|(known, _)| *known == name) {
+            return Ok(*side);
+        }
+        if let Some(number) = self.names.iter().position(|known| *known == name) {
+            return Ok(Some(number.into()));
+        }
+        let placed = |number: usize| {
+            let sides = self.populations.iter().filter_map(|(_, side)| *side);
+            sides.clone().any(|side| side.range().contains(&number))
+        };
+        let single = self.names.iter().enumerate();
+        let single = single
+            .filter(|(number, _)| !placed(*number))
+            .map(|(_, name)| *name);
+        let populations = self.populations.iter().map(|(name, _)| *name);
+        let known = Vec::from_iter(single.chain(populations));
+        Err(Problem::UnknownName {
+            key: "between".to_owned(),
+            name: name.to_owned(),
+            nearest: super::keys::nearest(name, &known),
+            known: known.join(", "),
+        })
+    }
 }
 
 /// An interaction between these surfaces.
-fn pressure(interaction: Reader<'_>, between: Option<[usize; 2]>) -> InteractionScene {
+fn pressure(interaction: Reader<'_>, between: Option<[Side; 2]>) -> InteractionScene {
     let cutoff = interaction.needed("cutoff");
     let parts = interaction.switch("parts") == Some(true);
     if interaction.text("kind") == Some("adhesion") {

@@ -68,9 +68,11 @@ const CUTOFF: Key = required(
 const BETWEEN: Key = optional(
     "between",
     Form::Pair,
-    "Names of two surfaces, or of a surface and an obstacle; by default every pair of surfaces interacts, in a \
+    "Names of two surfaces or populations, or of one and an obstacle; by default every pair of surfaces interacts, in a \
      periodic box every surface with its own images, and, but on a lattice, every surface with every obstacle. \
-     If both names are the same, the surface interacts with itself only: with its own images, and with `parts`.",
+     Surfaces of a population interact with the other one that is named, not with each other. If both names are the \
+     same, a surface interacts with itself only: with its own images, and with `parts`; surfaces of a population \
+     with each other, too.",
 );
 
 const PARTS: Key = optional(

@@ -13,7 +13,7 @@ use crate::io::Column;
 use crate::ordered::Ordered;
 use crate::scene::{
     self, Driver, Effects, HeldTargets, MeshFiles, MeshSource, Preparation, Reference,
-    ReferenceSource, Scene, SceneError, SceneFile, Stretch, SurfaceScene, start_shape,
+    ReferenceSource, Scene, SceneError, SceneFile, Side, Stretch, SurfaceScene, start_shape,
 };
 use helfrich::interaction::RepulsionMemory;
 use helfrich::shapes::Shape;
@@ -148,7 +148,7 @@ fn obstacles(
     Ok(obstacles)
 }
 
-/// An interaction of these bodies; of the first `count` of each unless it names two.
+/// An interaction of these bodies; of the first `count` of each unless it names two sides.
 fn between_bodies(
     interaction: &scene::InteractionScene,
     bodies: &[Body],
@@ -159,9 +159,15 @@ fn between_bodies(
     let between = interaction.between();
     let [moving, resting] = count;
     let all = || (0..moving).chain((0..resting).map(|number| bodies.len() + number));
-    let mut acting = between.map_or_else(|| Vec::from_iter(all()), |pair| pair.to_vec());
+    let mut acting = match between {
+        None => Vec::from_iter(all()),
+        Some(sides) => Vec::from_iter(sides.into_iter().flat_map(Side::range)),
+    };
     acting.sort_unstable();
     acting.dedup();
+    // Of two sides that differ, the first in this order.
+    let sides = between.filter(|[a, b]| a != b);
+    let first = sides.and_then(|sides| sides.into_iter().min_by_key(|side| side.first));
     let (moving, resting) =
         acting.split_at(acting.partition_point(|&number| number < bodies.len()));
     let solids = resting.iter().map(|number| {
@@ -176,6 +182,7 @@ fn between_bodies(
                 own: between.is_none_or(|[a, b]| a == b),
                 ..images
             },
+            first_group: first.map(|side| side.count),
             ..interaction.pressure()
         },
         bodies: moving.to_vec(),

@@ -151,7 +151,7 @@ impl SceneFile {
             let cutoff = interaction.barrier().cutoff;
             let concerned = interaction
                 .between()
-                .is_none_or(|pair| pair.contains(&surface));
+                .is_none_or(|pair| pair.iter().any(|side| side.range().contains(&surface)));
             let longest = mesh.edge_lengths[1];
             let sag = 0.25 * longest * longest / mesh.enclosed_radius();
             if concerned && sag > SAG * cutoff {

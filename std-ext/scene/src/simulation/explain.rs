@@ -12,7 +12,7 @@ use crate::generate::ShapeDeviation;
 use crate::info::MeshInfo;
 use crate::scene::{
     Boundary, Dimension, Driver, Effects, Group, InteractionScene, MeshSource, Parameter,
-    Parameters, Relax, Scene, Scheme, SurfaceScene, UnitSystem, thermal_energy,
+    Parameters, Relax, Scene, Scheme, Side, SurfaceScene, UnitSystem, thermal_energy,
 };
 use serde::Serialize;
 use std::f64::consts::PI;
@@ -127,9 +127,19 @@ impl Scene {
         let [populations, others] = self.lattice_memory();
         let number = Parameters::new(self.units);
         let interaction = |interaction: &InteractionScene| {
-            let name = |index: usize| match self.surfaces.get(index) {
-                Some(surface) => surface.name.as_str(),
-                None => self.obstacles[index - self.surfaces.len()].name.as_str(),
+            let name = |side: Side| {
+                let populations = &mut self.populations.iter();
+                if let Some(all) =
+                    populations.find(|all| side.count > 1 && all.surfaces == side.range())
+                {
+                    return all.name.as_str();
+                }
+                match self.surfaces.get(side.first) {
+                    Some(surface) => surface.name.as_str(),
+                    None => self.obstacles[side.first - self.surfaces.len()]
+                        .name
+                        .as_str(),
+                }
             };
             Active {
                 name: interaction.name(),
@@ -141,7 +151,12 @@ impl Scene {
                     let own = own.iter().filter(|(acts, _)| *acts);
                     let own = Vec::from_iter(own.map(|&(_, own)| own)).join(" and ");
                     match interaction.between() {
-                        Some([a, b]) if a == b => format!("between {} and its {own}", name(a)),
+                        Some([a, b]) if a == b && a.count == 1 => {
+                            format!("between {} and its {own}", name(a))
+                        }
+                        Some([a, b]) if a == b => {
+                            format!("between all surfaces of {} and their {own}", name(a))
+                        }
                         Some([a, b]) => format!("between {} and {}", name(a), name(b)),
                         None if own.is_empty() => "between all surfaces".to_owned(),
                         None => format!("between all surfaces and their {own}"),

@@ -62,6 +62,7 @@ impl Repulsions {
         let images = self.repulsion.images;
         let alone = Repulsion {
             parts: false,
+            first_group: None,
             images: Images::none(),
             ..self.repulsion
         };
@@ -71,7 +72,9 @@ impl Repulsions {
         let number = self.bodies.len();
         let pairs =
             (0..number).flat_map(|first| (first..number).map(move |second| [first, second]));
-        let pairs = pairs.filter(|[first, second]| first != second || images.own);
+        let pairs = pairs.filter(|&[first, second]| {
+            (first != second || images.own) && self.repulsion.acts(first, second)
+        });
         for [first, second] in pairs {
             let [low, high] = boxes[first];
             let [other_low, other_high] = boxes[second];

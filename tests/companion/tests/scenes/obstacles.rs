@@ -30,7 +30,7 @@ fn suction_and_adhesion_are_read() {
         energy: 2e-3,
         distance: 0.1,
         cutoff: 0.5,
-        between: Some([1, 0]),
+        between: Some([1.into(), 0.into()]),
         parts: false,
     };
     assert_eq!(file.scene.interactions, [adhesion]);

@@ -1,9 +1,10 @@
 //! Populations: equal surfaces at random places of a box.
 
-use super::{refused, the_error, valid};
+use super::{generated, refused, the_error, valid};
 use helfrich::interaction::RepulsionMemory;
 use helfrich::{Images, Repulsion};
 use helfrich_std::contact::repel;
+use helfrich_std::dynamics::Problem;
 use helfrich_std::execute::Parallel;
 use helfrich_std::scene::{Driver, Overrides, Scene, SceneFile};
 use helfrich_std::simulation::{Simulation, build};
@@ -58,6 +59,7 @@ fn felt((simulation, positions): &(Simulation, Vec<[f64; 3]>), range: f64) -> f6
         range,
         attraction: 0.0,
         parts: false,
+        first_group: None,
         images: Images {
             own: true,
             ..*simulation.images()
@@ -310,4 +312,69 @@ fn problems_are_said_once() {
         Vec::from_iter(coarse.filter(|warning| warning.contains("nodes long in the mean")));
     assert_eq!(coarse.len(), 1, "{coarse:?}");
     assert!(coarse[0].contains("a.toml:6:"), "{}", coarse[0]);
+}
+
+/// Two populations and an obstacle, with a repulsion between what `between` names, if it names any.
+fn two_populations(between: &str) -> String {
+    let small = "elasticity = { law = \"skalak\", shear_modulus = 1, area_ratio = 10 }\n[[population]]\nname = \
+                 \"small\"\ncount = 4\nshape = \"sphere:0.5\"\nvertices = 162\nseed = 3";
+    let more = format!(
+        "[[obstacle]]\nname = \"post\"\nshape = \"sphere:0.6\"\nvertices = 162\n[[interaction]]\nkind = \
+         \"repulsion\"\nstrength = 1\ncutoff = 1.5\n{between}"
+    );
+    scene(
+        &format!("{}\n{small}", cells("sphere:1", "count = 6")),
+        6.0,
+        &more,
+    )
+}
+
+/// `between` takes populations: all pairs of surfaces are those within each population, and those of both.
+#[test]
+fn populations_interact_by_their_names() {
+    let energy = |between: &str| {
+        let file = valid(&two_populations(between));
+        let (mut simulation, positions) = build(&file).expect("a scene");
+        let mut force = vec![[0.0; 3]; positions.len()];
+        simulation.evaluate(&positions, &mut force).energy
+    };
+    let pairs = [
+        ["cells", "cells"],
+        ["small", "small"],
+        ["small", "cells"],
+        ["cells", "post"],
+        ["post", "small"],
+    ];
+    let parts = pairs.map(|[a, b]| energy(&format!("between = [\"{a}\", \"{b}\"]")));
+    let all = energy("");
+    assert!(parts.iter().all(|part| *part > 0.0), "{parts:?}");
+    // On a lattice, surfaces meet an obstacle only if it is named.
+    let sum = parts[..3].iter().sum::<f64>();
+    assert!((sum - all).abs() < 1e-12 * all, "{sum} of {all}");
+    let single = energy("between = [\"cells-2\", \"small\"]");
+    assert!(
+        single > 0.0 && single < parts[2],
+        "{single} of {}",
+        parts[2]
+    );
+}
+
+#[test]
+fn names_of_populations_are_checked() {
+    let message = |between: &str| {
+        let text = two_populations(&format!("between = {between}"));
+        super::parse(&text).expect_err("refused").to_string()
+    };
+    let part = message("[\"cells\", \"cells-3\"]");
+    assert!(part.contains("without common surfaces"), "{part}");
+    let near = message("[\"cells\", \"smal\"]");
+    assert!(near.contains("`small`"), "{near}");
+    // Not the name of every cell.
+    let unknown = message("[\"cells\", \"platelets\"]");
+    assert!(unknown.contains("post, cells, small"), "{unknown}");
+    let explained = valid(&two_populations("between = [\"small\", \"cells\"]"));
+    let meshes =
+        Vec::from_iter((0..explained.scene.surfaces.len()).map(|one| generated(&explained, one)));
+    let text = explained.scene.explain(&meshes).to_string();
+    assert!(text.contains("between small and cells"), "{text}");
 }

@@ -216,7 +216,7 @@ fn every_key_of_a_relaxation_is_read() {
     let repulsion = InteractionScene::Repulsion {
         strength: 0.1,
         cutoff: 0.2,
-        between: Some([1, 0]),
+        between: Some([1.into(), 0.into()]),
         parts: true,
     };
     assert_eq!(scene.interactions, [repulsion]);

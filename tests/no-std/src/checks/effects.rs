@@ -111,6 +111,7 @@ fn repulsion<T: Real + Display>(left: Surface<'_, T>) {
         range: T::constant(range),
         attraction: T::zero(),
         parts: false,
+        first_group: None,
         images: Images::none(),
     };
     let apart = T::constant(2.0 * RADIUS + gap);

@@ -15,7 +15,7 @@ fn repelled(lengths: &str, between: &str) -> String {
 fn one_surface_and_its_images_interact() {
     for (between, expected) in [
         ("", None),
-        ("between = [\"capsule\", \"capsule\"]", Some([0, 0])),
+        ("between = [\"capsule\", \"capsule\"]", Some([0.into(); 2])),
     ] {
         let text = repelled("[7, 7, 7]", between);
         let scene = valid(&text).scene;
