@@ -110,7 +110,7 @@ impl<T: Real> RepulsionMemory<T> {
     }
 }
 
-/// What vertices and triangles feel of each other.
+/// The interaction of single vertices and triangles.
 struct Pairs<'a, T> {
     repulsion: &'a Repulsion<T>,
     over_range: T,
@@ -118,7 +118,7 @@ struct Pairs<'a, T> {
 }
 
 impl<'a, T: Real> Pairs<'a, T> {
-    /// Those of triangles that were measured for this range.
+    /// Pairs with triangles that were measured for this range.
     fn new(repulsion: &'a Repulsion<T>, range: T) -> Self {
         Self {
             repulsion,

@@ -108,7 +108,7 @@ pub struct NodeRow {
     pub nodes: Vec<MeridianNode>,
 }
 
-/// What is cached of a method.
+/// Cached results of a method.
 type Kept = ([Option<Spread>; 3], Vec<MeridianNode>);
 
 impl CellStudy {

@@ -92,6 +92,14 @@ pub struct FlowRow {
     /// The case that was run.
     #[serde(flatten)]
     pub case: FlowCase,
+    /// Its outcome.
+    #[serde(flatten)]
+    pub outcome: FlowOutcome,
+}
+
+/// The outcome of a run, as it is cached.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FlowOutcome {
     /// Kind of end of the run.
     pub end: End,
     /// A description of the end.
@@ -110,48 +118,6 @@ pub struct FlowRow {
     pub steps: u64,
     /// Duration of the run in seconds.
     pub seconds: f64,
-}
-
-/// Results of a row, without its case, as they are cached.
-#[derive(Serialize, Deserialize)]
-struct CachedFlow {
-    end: End,
-    message: String,
-    deformation: f64,
-    inclination: f64,
-    volume_change: f64,
-    transient: Vec<[f64; 2]>,
-    inclinations: Vec<[f64; 2]>,
-    steps: u64,
-    seconds: f64,
-}
-
-impl CachedFlow {
-    fn of(self, case: FlowCase) -> FlowRow {
-        let Self {
-            end,
-            message,
-            deformation,
-            inclination,
-            volume_change,
-            transient,
-            inclinations,
-            steps,
-            seconds,
-        } = self;
-        FlowRow {
-            case,
-            end,
-            message,
-            deformation,
-            inclination,
-            volume_change,
-            transient,
-            inclinations,
-            steps,
-            seconds,
-        }
-    }
 }
 
 /// A study of flow.
@@ -342,23 +308,24 @@ pub fn run_cases(
             });
         };
         let key = format!("flow {case}, {} vertices, {}", case.vertices, case.strain);
-        let known = cache
-            .as_deref()
-            .and_then(|cache| cache.get::<CachedFlow>(&key));
-        let found = match known {
-            Some(found) => found,
+        let known = cache.as_deref().and_then(|cache| cache.get(&key));
+        let outcome = match known {
+            Some(outcome) => outcome,
             None => {
                 let (place, resume) = case.place(&key, folder, cache.as_deref_mut());
-                let found = case.run(&place, resume, interrupted, &mut tell)?;
+                let outcome = case.run(&place, resume, interrupted, &mut tell)?;
                 if let Some(cache) = &mut cache
-                    && found.end != End::Interrupted
+                    && outcome.end != End::Interrupted
                 {
-                    cache.insert(key, &found);
+                    cache.insert(key, &outcome);
                 }
-                found
+                outcome
             }
         };
-        rows.push(found.of(*case));
+        rows.push(FlowRow {
+            case: *case,
+            outcome,
+        });
         before += case.weight();
     }
     Ok(rows)
@@ -475,7 +442,7 @@ impl FlowCase {
         resume: bool,
         interrupted: &dyn Fn() -> bool,
         progress: &mut dyn FnMut(&Progress<'_>),
-    ) -> Result<CachedFlow, FlowStudyError> {
+    ) -> Result<FlowOutcome, FlowStudyError> {
         let file = self.file()?;
         let ready = build(&file).map_err(|error| FlowStudyError::Scene {
             case: self.to_string(),
@@ -496,7 +463,7 @@ impl FlowCase {
             let pairs = column("strain").into_iter().zip(column(name));
             pairs.map(|(strain, value)| [strain, value]).collect()
         };
-        Ok(CachedFlow {
+        Ok(FlowOutcome {
             end: summary.end,
             message: summary.message,
             deformation: ends("deformation")[1],

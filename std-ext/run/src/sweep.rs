@@ -178,7 +178,7 @@ pub struct Swept {
     pub unknown: Vec<String>,
     /// All columns of all runs.
     pub known: Vec<String>,
-    /// Those of the part, in the order of [`Sweep::cases`].
+    /// Combinations of the part, in the order of [`Sweep::cases`].
     pub cases: Vec<(Case, Outcome)>,
     /// Further warnings, for example about published curves that cannot be read.
     pub warnings: Vec<String>,

@@ -171,7 +171,7 @@ pub struct Side {
 }
 
 impl Side {
-    /// Those on this side.
+    /// Numbers of those on this side.
     pub fn range(self) -> Range<usize> {
         self.first..self.first + self.count
     }

@@ -285,7 +285,8 @@ impl<T: Real> Neighbours<T> {
             ..
         } = self;
         let places = vertex_places.places.as_slice();
-        let reach = repulsion.range + self.skin;
+        // Wider than the range and the skin by more than rounding: a pair that is left out stays beyond the range.
+        let reach = T::constant(1.0 + MARGIN) * (repulsion.range + self.skin);
         near_faces.resize(found.len(), NearFace::default());
         execution.map(&mut near_faces[..], |k, face| {
             *face = NearFace::new(found[k], surfaces[found[k][0] as usize], reach);

@@ -38,9 +38,13 @@ pub struct Deviation {
 /// linear; `None` if no point is that early.
 pub fn deviation(row: &FlowRow, curve: &PublishedCurve) -> Option<Deviation> {
     let difference = |&[strain, value]: &[f64; 2]| {
-        let after = row.transient.iter().position(|point| point[0] >= strain)?;
-        let [x1, y1] = row.transient[after];
-        let [x0, y0] = row.transient[after.saturating_sub(1)];
+        let after = row
+            .outcome
+            .transient
+            .iter()
+            .position(|point| point[0] >= strain)?;
+        let [x1, y1] = row.outcome.transient[after];
+        let [x0, y0] = row.outcome.transient[after.saturating_sub(1)];
         let slope = if x1 > x0 { (y1 - y0) / (x1 - x0) } else { 0.0 };
         let difference = y0 + slope * (strain - x0) - value;
         Some([strain, difference, (difference / slope).abs()])
@@ -113,15 +117,16 @@ pub fn boxes(rows: &[FlowRow]) -> Vec<Boxes> {
         let Some((other, larger)) = larger.min_by(|a, b| a.1.total_cmp(&b.1)) else {
             continue;
         };
-        let coefficient = (row.deformation - other.deformation) / (size.powi(-3) - larger.powi(-3));
+        let coefficient = (row.outcome.deformation - other.outcome.deformation)
+            / (size.powi(-3) - larger.powi(-3));
         found.push(Boxes {
             bending: row.case.bending,
             resolution,
             vertices: row.case.vertices,
             sizes: [size, larger],
-            deformations: [row.deformation, other.deformation],
+            deformations: [row.outcome.deformation, other.outcome.deformation],
             coefficient,
-            unbounded: other.deformation - coefficient * larger.powi(-3),
+            unbounded: other.outcome.deformation - coefficient * larger.powi(-3),
         });
     }
     found

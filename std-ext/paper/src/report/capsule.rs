@@ -50,7 +50,7 @@ pub(super) fn transient_chart(
     about: &str,
 ) -> io::Result<(String, Chart)> {
     figure(
-        chart(rows, "D", |row| &row.transient),
+        chart(rows, "D", |row| &row.outcome.transient),
         "flow-deformation",
         &format!(
             "D over the strain γ̇t: full lines by boundary integrals, broken lines on a lattice, circles published <span>{about}</span>"
@@ -66,7 +66,7 @@ pub(super) fn inclination_chart(
     about: &str,
 ) -> io::Result<(String, Chart)> {
     figure(
-        chart(rows, "θ", |row| &row.inclinations),
+        chart(rows, "θ", |row| &row.outcome.inclinations),
         "flow-inclination",
         &format!(
             "Inclination θ of the longest axis to the flow: lines as for D; the article’s is not in this repository <span>{about}</span>"
@@ -203,7 +203,8 @@ pub(super) fn transients(rows: &[FlowRow]) -> Table {
     );
     for row in rows {
         let solver = format!("\"{}\"", solver(row));
-        for ([strain, deformation], [_, inclination]) in row.transient.iter().zip(&row.inclinations)
+        for ([strain, deformation], [_, inclination]) in
+            row.outcome.transient.iter().zip(&row.outcome.inclinations)
         {
             csv_line(
                 &mut csv,
@@ -228,7 +229,7 @@ pub(super) fn transients(rows: &[FlowRow]) -> Table {
         )];
         line.extend(strains.iter().map(|&strain| {
             let near = |point: &&[f64; 2]| (point[0] - strain).abs() < 0.02;
-            let point = row.transient.iter().find(near);
+            let point = row.outcome.transient.iter().find(near);
             point.map_or("–".to_owned(), |point| format!("{:.4}", point[1]))
         }));
         line
@@ -272,12 +273,12 @@ pub(super) fn steady_table(rows: &[FlowRow]) -> Table {
                 &row.case.capillary,
                 &row.case.bending,
                 &row.case.vertices,
-                &row.deformation,
-                &row.inclination,
-                &row.volume_change,
-                &row.steps,
-                &row.seconds,
-                &row.end.name(),
+                &row.outcome.deformation,
+                &row.outcome.inclination,
+                &row.outcome.volume_change,
+                &row.outcome.steps,
+                &row.outcome.seconds,
+                &row.outcome.end.name(),
             ],
         );
         let deviation = paper
@@ -295,13 +296,13 @@ pub(super) fn steady_table(rows: &[FlowRow]) -> Table {
             count(row.case.vertices),
             format!("{}", row.case.capillary),
             format!("{}", row.case.bending),
-            format!("{:.4}", row.deformation),
-            format!("{:.1}°", row.inclination),
+            format!("{:.4}", row.outcome.deformation),
+            format!("{:.1}°", row.outcome.inclination),
             deviation.map_or("–".to_owned(), |deviation| format!("{deviation:.4}")),
-            time(row.seconds),
-            match row.end {
+            time(row.outcome.seconds),
+            match row.outcome.end {
                 End::Completed => String::new(),
-                _ => escaped(&row.message),
+                _ => escaped(&row.outcome.message),
             },
         ]
     };

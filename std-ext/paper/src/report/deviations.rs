@@ -318,7 +318,7 @@ fn transients(rows: &[FlowRow], lines: &mut Lines) {
                 solver(row),
                 count(row.case.vertices)
             ),
-            format!("{:.4}", row.deformation),
+            format!("{:.4}", row.outcome.deformation),
             "C, S".to_owned(),
             format!(
                 "{} <span>at γ̇t = {}{}</span>",
@@ -382,7 +382,11 @@ fn others(rows: &[FlowRow], lines: &mut Lines) {
                 ),
                 escaped(&published.source),
             ],
-            [row.deformation, published.deformation, published.error],
+            [
+                row.outcome.deformation,
+                published.deformation,
+                published.error,
+            ],
             row.case.strain,
         );
     }

@@ -86,7 +86,7 @@ fn values(rows: &[FlowRow]) -> Vec<Value> {
             ),
             capillary: row.case.capillary,
             bending: row.case.bending,
-            deformation: row.deformation,
+            deformation: row.outcome.deformation,
             own: Some(style_of(row.case.method)),
         }
     });

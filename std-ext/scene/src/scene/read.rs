@@ -368,7 +368,7 @@ struct Bodies<'a> {
 }
 
 impl Bodies<'_> {
-    /// Those with this name; an error if there are none. None, too, for a population without places, of which the reason is
+    /// The side with this name; an error if there is none. None for a population without places, of which the reason is
     /// known already.
     fn named(&self, name: &str) -> Result<Option<Side>, Problem> {
         if let Some((_, side)) = self.populations.iter().find(|(known, _)| *known == name) {

@@ -53,10 +53,10 @@ fn methods(rows: &[FlowRow], out: &mut dyn Write) -> io::Result<()> {
             row.case.method,
             row.case.vertices,
             solver(row),
-            row.deformation,
-            row.inclination,
-            row.volume_change.abs(),
-            row.seconds,
+            row.outcome.deformation,
+            row.outcome.inclination,
+            row.outcome.volume_change.abs(),
+            row.outcome.seconds,
             ending(row),
         )?;
     }
@@ -166,11 +166,11 @@ fn precisions(rows: &[FlowRow], out: &mut dyn Write) -> io::Result<()> {
             out,
             "{:>8} {resolution:>6} {size:>6} {:>11.7} {:>11.7} {:>11.0e} {:>8.1} {:>8.1}",
             single.case.bending,
-            single.deformation,
-            double.deformation,
-            (single.deformation - double.deformation).abs(),
-            single.seconds,
-            double.seconds
+            single.outcome.deformation,
+            double.outcome.deformation,
+            (single.outcome.deformation - double.outcome.deformation).abs(),
+            single.outcome.seconds,
+            double.outcome.seconds
         )?;
     }
     Ok(())
@@ -183,7 +183,7 @@ fn exact(rows: &[FlowRow], bending: f64, vertices: usize) -> Option<f64> {
             && row.case.method == BendingMethod::GompperKroll
             && (row.case.bending, row.case.vertices) == (bending, vertices)
     };
-    rows.iter().find(same).map(|row| row.deformation)
+    rows.iter().find(same).map(|row| row.outcome.deformation)
 }
 
 fn percent(value: f64, exact: Option<f64>) -> String {
@@ -209,8 +209,8 @@ fn solver(row: &FlowRow) -> String {
 }
 
 fn ending(row: &FlowRow) -> String {
-    match row.end {
+    match row.outcome.end {
         End::Completed => String::new(),
-        _ => format!("  {}: {}", row.end.name(), row.message),
+        _ => format!("  {}: {}", row.outcome.end.name(), row.outcome.message),
     }
 }

@@ -1,8 +1,8 @@
 //! Capsules in flow: their cases, and evaluations of their rows.
 
 use helfrich_paper::flow::{
-    BENDING, CAPILLARY_NUMBER, FlowCase, FlowRow, FlowStudy, Solver, boxes, deviation, published,
-    resolved,
+    BENDING, CAPILLARY_NUMBER, FlowCase, FlowOutcome, FlowRow, FlowStudy, Solver, boxes, deviation,
+    published, resolved,
 };
 use helfrich_std::method::BendingMethod;
 use helfrich_std::plots::PublishedCurve;
@@ -30,15 +30,17 @@ pub(crate) fn row(resolution: f64, size: f64, deformation: f64) -> FlowRow {
             vertices: 642,
             strain: 6.0,
         },
-        end: End::Completed,
-        message: String::new(),
-        deformation,
-        inclination: 37.0,
-        volume_change: 0.0,
-        transient: vec![[0.0, 0.0], [1.0, 0.1316], [6.0, 0.1334]],
-        inclinations: vec![[0.0, 45.0], [1.0, 38.0], [6.0, 37.0]],
-        steps: 1,
-        seconds: 1.0,
+        outcome: FlowOutcome {
+            end: End::Completed,
+            message: String::new(),
+            deformation,
+            inclination: 37.0,
+            volume_change: 0.0,
+            transient: vec![[0.0, 0.0], [1.0, 0.1316], [6.0, 0.1334]],
+            inclinations: vec![[0.0, 45.0], [1.0, 38.0], [6.0, 37.0]],
+            steps: 1,
+            seconds: 1.0,
+        },
     }
 }
 
@@ -92,7 +94,7 @@ fn runs_are_compared_with_what_was_published() {
     let shift = -expected / 0.1316;
     SERIES_EXTRAPOLATION.assert(found.shift, shift, shift, "shift of γ̇t");
     let mut early = row(6.0, 7.0, 0.1);
-    early.transient.clear();
+    early.outcome.transient.clear();
     assert_eq!(deviation(&early, &curves[0]), None);
 }
 
@@ -105,7 +107,7 @@ fn a_known_deviation_is_found() {
     };
     let mut run = row(6.0, 7.0, 0.3);
     // The line, a tenth lower at first, and 0.004 higher at the end.
-    run.transient = vec![[0.0, 0.0], [1.0, 0.09], [2.0, 0.204], [3.0, 0.304]];
+    run.outcome.transient = vec![[0.0, 0.0], [1.0, 0.09], [2.0, 0.204], [3.0, 0.304]];
     let found = deviation(&run, &curve).expect("points");
     for (what, found, expected) in [
         ("largest", found.largest, -0.005),

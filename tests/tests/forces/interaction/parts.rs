@@ -1,8 +1,7 @@
 //! Repulsion between parts of one surface.
 
-use super::{
-    areas, attractions, check_gradient, check_pairs, crowd, evaluate, free, law, positions,
-};
+use super::double_loop::areas;
+use super::{attractions, check_gradient, check_pairs, crowd, evaluate, free, law, positions};
 use helfrich::Repulsion;
 use helfrich_tests::laws::largest;
 use helfrich_tests::meshes::{GENERIC, Mesh, cases, icosphere, rotation, sheet, turned};
