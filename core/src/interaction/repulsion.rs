@@ -89,6 +89,8 @@ struct Bundle<T> {
     feels: [bool; BUNDLE],
     /// The triangles near them, and the forces on the corners of these.
     reactions: Vec<(u32, [Vec3<T>; 3])>,
+    /// Largest number of these of one vertex.
+    most: usize,
 }
 
 /// Number of vertices in a bundle.
@@ -243,14 +245,17 @@ impl<T: Real> Repulsion<T> {
                     sums,
                     feels,
                     reactions,
+                    most,
                 } = bundle;
                 reactions.clear();
+                *most = 0;
                 *sums = [[T::zero(); 7]; BUNDLE];
                 *feels = [false; BUNDLE];
                 let first = block + number * BUNDLE;
                 for ((k, sum), feels) in (first..vertices.len()).zip(sums).zip(feels) {
                     let vertex = &vertices[k];
                     let area = push * vertex.area;
+                    let before = reactions.len();
                     for &face in &listed_faces[listed[k].pairs()] {
                         pairs.each_felt(vertex, &faces[face as usize], |felt| {
                             *feels = true;
@@ -266,6 +271,7 @@ impl<T: Real> Repulsion<T> {
                             }
                         });
                     }
+                    *most = (*most).max(reactions.len() - before);
                 }
             });
             let left = vertices.len() - block;
@@ -284,12 +290,13 @@ impl<T: Real> Repulsion<T> {
                         *force = add(*force, reaction);
                     }
                 }
-                // Room for other bundles, so that the next evaluations need no more memory.
-                let most = bundles.iter().map(|bundle| bundle.reactions.len()).max();
+                // Room for any of these vertices in a bundle, and some more, so that the next evaluations need no more memory.
+                let most = bundles.iter().map(|bundle| bundle.most).max();
                 let most = most.unwrap_or(0);
                 for Bundle { reactions, .. } in &mut *bundles {
-                    if reactions.capacity() < most + most / 2 {
-                        reactions.reserve_exact(2 * most - reactions.len());
+                    if reactions.capacity() < BUNDLE * most {
+                        let room = BUNDLE * (most + most / 4 + 1);
+                        reactions.reserve_exact(room - reactions.len());
                     }
                 }
             }
