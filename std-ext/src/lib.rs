@@ -10,6 +10,7 @@
 //! * [`measurement`]: curvatures with error bars, by jets that choose their scale from the noise.
 //!   [`painting`]: their quantities as colours; [`remarks`]: what has to be said about them.
 //! * [`execute`]: threads and wide vectors for the core's loops.
+//! * [`team`]: processes that work on one run.
 //! * [`study`]: accuracy and cost of the methods; [`verdict`]: whether they converge;
 //!   [`answer`]: the cheapest method for an accuracy; [`recommend`]: the cheapest method on a mesh
 //!   of the user. [`provenance`]: program, compiler and machine of measurements.
@@ -31,7 +32,7 @@
 
 pub use helfrich_draw::picture;
 pub use helfrich_evaluate::{effect, method, scalar};
-pub use helfrich_execute::{clock, execute, ordered};
+pub use helfrich_execute::{clock, execute, ordered, team};
 pub use helfrich_mesh::{
     enclosure, generate, info, io, orientation, packing, parting, polygon, repair, section,
     subdivide,

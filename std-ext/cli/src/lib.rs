@@ -31,6 +31,7 @@ use helfrich_std::method::{AnyMethod, BendingMethod, MethodOptions, OwnMethod};
 use helfrich_std::noise::noise_seen;
 use helfrich_std::report;
 use helfrich_std::subdivide::{Target, subdivide};
+use helfrich_std::team::Team;
 use paper::{PaperArguments, paper};
 use recommend::{RecommendArguments, recommend_method};
 use remesh::{RemeshArguments, remesh_file};
@@ -132,7 +133,16 @@ pub(crate) struct ThreadArguments {
 impl ThreadArguments {
     /// Does `work` with that number of threads.
     fn run<R>(&self, work: impl FnOnce() -> R) -> R {
-        with_threads(self.threads.unwrap_or_else(available_threads), work)
+        self.run_in(&Team::alone(), work)
+    }
+
+    /// As [`Self::run`]; each of several ranks has one thread by default.
+    fn run_in<R>(&self, team: &Team, work: impl FnOnce() -> R) -> R {
+        let threads = match team.is_alone() {
+            true => available_threads(),
+            false => NonZeroUsize::MIN,
+        };
+        with_threads(self.threads.unwrap_or(threads), work)
     }
 }
 
@@ -268,7 +278,7 @@ pub fn program_with(methods: &[OwnMethod]) -> ExitCode {
         Command::Smooth(arguments) => arguments.threads.run(|| smooth_file(&arguments)),
         Command::Split(arguments) => split_file(&arguments),
         Command::Subdivide(arguments) => subdivide_file(&arguments),
-        Command::Run(arguments) => arguments.scene.threads.run(|| run_scene(&arguments)),
+        Command::Run(arguments) => run_scene(&arguments),
         Command::Sweep(arguments) => arguments.scene.threads.run(|| sweep(&arguments)),
         Command::Scenes(arguments) => scenes(&arguments),
         Command::Paper(arguments) => arguments.threads.run(|| paper(&arguments)),

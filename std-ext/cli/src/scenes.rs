@@ -4,10 +4,12 @@ use crate::terminal::{Failure, ProgressBar, interruption, print, save, say};
 use crate::{ThreadArguments, threads};
 use helfrich_std::info::MeshInfo;
 use helfrich_std::report;
-use helfrich_std::run::{End, check, run};
+use helfrich_std::execute::available_threads;
+use helfrich_std::run::{End, assist, check, run};
 use helfrich_std::scene::{Overrides, SHIPPED, Scene, SceneFile, ShippedScene, shipped_files};
 use helfrich_std::simulation::{Simulation, build};
 use helfrich_std::sweep::{Outcome, Part, Sweep, Vary};
+use helfrich_std::team::Team;
 use std::fs;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -75,15 +77,24 @@ pub(crate) struct SweepArguments {
     jobs: NonZeroUsize,
 }
 
-/// Reads and prepares the scene of a file with its overrides, and prints its warnings.
-fn scene(arguments: &SceneArguments) -> Result<(Scene, Simulation, Vec<[f64; 3]>), Failure> {
+/// A scene, its simulation, and the initial positions.
+type Prepared = (Scene, Simulation, Vec<[f64; 3]>);
+
+/// Reads and prepares the scene of a file with its overrides.
+fn prepared(arguments: &SceneArguments) -> Result<Prepared, Failure> {
     let overrides = Overrides::new(&arguments.set).map_err(Failure::input)?;
     let file = SceneFile::read(&arguments.scene, &overrides).map_err(Failure::input)?;
     let (simulation, positions) = build(&file).map_err(Failure::input)?;
-    for warning in simulation.warnings() {
+    Ok((file.scene, simulation, positions))
+}
+
+/// As [`prepared`]; prints the warnings of the scene.
+fn scene(arguments: &SceneArguments) -> Result<Prepared, Failure> {
+    let prepared = prepared(arguments)?;
+    for warning in prepared.1.warnings() {
         say(format_args!("warning: {warning}"));
     }
-    Ok((file.scene, simulation, positions))
+    Ok(prepared)
 }
 
 pub(crate) fn scenes(arguments: &ScenesArguments) -> Result<(), Failure> {
@@ -119,8 +130,42 @@ pub(crate) fn explain_scene(arguments: &SceneArguments) -> Result<(), Failure> {
     print(|out| write!(out, "{explanation}"))
 }
 
+/// Runs a scene on all ranks that were started.
 pub(crate) fn run_scene(arguments: &RunArguments) -> Result<(), Failure> {
-    let (scene, simulation, positions) = scene(&arguments.scene)?;
+    let team = helfrich_mpi::team().map_err(Failure::input)?;
+    arguments.scene.threads.run_in(&team, || {
+        if team.number() > 0 {
+            return assist_run(arguments, &team);
+        }
+        if !team.is_alone() {
+            let threads = available_threads();
+            say(format_args!("{} ranks with {threads} threads each", team.count()));
+        }
+        let result = run_alone(arguments, &team);
+        team.dismiss();
+        result
+    })
+}
+
+/// Does what the first rank needs, which also says what is wrong with the scene.
+fn assist_run(arguments: &RunArguments, team: &Team) -> Result<(), Failure> {
+    // Handled here as well: who interrupts the run means the first rank.
+    let _ = interruption();
+    let result = prepared(&arguments.scene).and_then(|(scene, mut simulation, positions)| {
+        simulation.share(team.clone());
+        assist(&scene, (simulation, positions)).map_err(Failure::input)
+    });
+    match result {
+        Ok(()) => Ok(()),
+        Err(_) if team.listen().is_none() => Err(Failure::Unfinished(2)),
+        Err(failure) => panic!("rank {} cannot begin: {failure:?}", team.number()),
+    }
+}
+
+/// The run, as the first rank.
+fn run_alone(arguments: &RunArguments, team: &Team) -> Result<(), Failure> {
+    let (scene, mut simulation, positions) = scene(&arguments.scene)?;
+    simulation.share(team.clone());
     let path = &arguments.scene.scene;
     if arguments.check {
         check(&scene, (simulation, positions)).map_err(Failure::input)?;

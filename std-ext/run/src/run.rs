@@ -193,6 +193,19 @@ pub fn run(
     run.finish(end, message)
 }
 
+/// As a rank that is not the first of those that [share](Simulation::share) a simulation: does what the first one needs in
+/// [`run`], until that one [dismisses](helfrich_execute::team::Team::dismiss) this. Writes nothing.
+///
+/// # Errors
+/// As [`run`], before anything is done; the first rank has the same ones.
+pub fn assist(
+    scene: &Scene,
+    (mut simulation, positions): (Simulation, Vec<[f64; 3]>),
+) -> Result<(), RunError> {
+    start::refuse_ranks(scene, &simulation)?;
+    start::assist(scene, &mut simulation, positions)
+}
+
 /// State of a run before anything is written.
 struct PlannedRun<'a> {
     measures: Measures,
@@ -221,6 +234,7 @@ fn plan<'a>(
     state: Option<(DriveState, RemeshingState)>,
 ) -> Result<PlannedRun<'a>, RunError> {
     files::refuse_pictures(&scene.output)?;
+    start::refuse_ranks(scene, simulation)?;
     let begins = state.is_none();
     let mut measures = Measures::new(scene, simulation, &positions);
     let mut remesher = Remesher::new(scene, simulation, &positions);
@@ -439,7 +453,7 @@ impl Run<'_> {
         self.outputs.output_costs.quality.add(start);
         row.extend(self.probe());
         if let Some(rheometer) = &self.rheometer {
-            row.extend(rheometer.numbers(&*self.drive, &mut self.simulation, &acting));
+            row.extend(rheometer.numbers(&mut *self.drive, &mut self.simulation, &acting));
         }
         let start = Instant::now();
         let output = |error: SeriesError| RunError::Output(Box::new(error));

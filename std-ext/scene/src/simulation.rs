@@ -13,6 +13,7 @@ mod explain;
 mod moment;
 mod once;
 mod placed;
+mod ranks;
 
 pub use build::{BodyMesh, build};
 #[doc(hidden)]
@@ -33,6 +34,7 @@ use crate::ordered::Ordered;
 use crate::scene::{HeldTargets, Named, SceneError, Stretch, Stretching};
 use helfrich::interaction::RepulsionMemory;
 use helfrich::{AnyFunctional, Finding, Images, Repulsion, Surface, TriangleMesh};
+use ranks::BodiesOfRanks;
 use std::ops::Range;
 use std::sync::Arc;
 use std::time::Duration;
@@ -52,6 +54,7 @@ pub struct Simulation {
     /// The division of bodies among threads, for forces and for viscous forces.
     acting: Shares,
     resisting: Shares,
+    ranks: BodiesOfRanks,
 }
 
 /// One surface.

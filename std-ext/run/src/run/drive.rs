@@ -56,7 +56,7 @@ pub(super) trait Drive {
     }
 
     /// The fluid between walls; `None` for drivers without a box of fluid, and before the first step.
-    fn sheared(&self) -> Option<Sheared<'_>> {
+    fn sheared(&mut self) -> Option<Sheared<'_>> {
         None
     }
 
@@ -64,7 +64,7 @@ pub(super) trait Drive {
     fn notes(&self) -> &[String];
 
     /// The complete state, from which a run continues bit for bit.
-    fn state(&self) -> DriveState;
+    fn state(&mut self) -> DriveState;
 }
 
 /// A box of fluid and its walls. Without walls, stress and flow rates are NaN.
@@ -76,6 +76,8 @@ pub(super) struct Sheared<'a> {
     pub(super) flow_rates: [f64; 2],
     /// Heights and mean velocities along x: on the low wall, in each layer of nodes, on the high wall.
     pub(super) layers: Vec<[f64; 2]>,
+    /// The positions of the vertices of all surfaces.
+    pub(super) positions: &'a [[f64; 3]],
     /// The velocities of the material of all surfaces at their vertices.
     pub(super) material: &'a [[f64; 3]],
 }

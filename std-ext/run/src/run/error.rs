@@ -75,6 +75,28 @@ pub enum RunError {
     /// The box of fluid is invalid.
     #[error("driver: {0}")]
     Lattice(#[from] LatticeError),
+    /// A driver that works on one rank only.
+    #[error(
+        "driver: {ranks} ranks were started, and `{driver}` runs on one: start it without `mpiexec`, or take \
+         `lattice-boltzmann`"
+    )]
+    DriverOnRanks {
+        /// Number of ranks.
+        ranks: usize,
+        /// The driver.
+        driver: &'static str,
+    },
+    /// Meshes that change, on several ranks.
+    #[error(
+        "surface \"{surface}\": {ranks} ranks were started, and `remesh` works on one: leave it out, or start the run \
+         without `mpiexec`"
+    )]
+    RemeshingOnRanks {
+        /// Number of ranks.
+        ranks: usize,
+        /// The surface's name.
+        surface: String,
+    },
     /// The folder already contains a run.
     #[error(
         "{}: there is a run here already: continue it with `--resume`, or name another folder with `--out`",

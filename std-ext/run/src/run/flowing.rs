@@ -401,7 +401,7 @@ impl Drive for Flowing<'_> {
         &self.progress.notes
     }
 
-    fn state(&self) -> DriveState {
+    fn state(&mut self) -> DriveState {
         DriveState::Flowing(FlowingState {
             schedule: self.clock.schedule(),
             integrator: self.integrator.state().clone(),

@@ -88,7 +88,7 @@ impl<'a, T: Stored> Immersing<'a, T> {
         let clock = Clock::new(scene, &driver.flow, driver.duration);
         let (positions, progress, clock) = match stored {
             Some(state) => {
-                immersion.restore(state.immersion)?;
+                immersion.restore(state.immersion, &state.positions)?;
                 let ImmersingProgress { steps, outputs, .. } = state.progress;
                 // An output is made at the end of the step nearest to its due time.
                 let [time, early] = [steps as f64, NEAREST].map(|count| count * driver.step);
@@ -115,6 +115,19 @@ impl<'a, T: Stored> Immersing<'a, T> {
             positions,
             progress,
         })
+    }
+
+    /// As a rank that is not the first: does what that one needs, until it is dismissed.
+    pub(super) fn assist(
+        scene: &'a Scene,
+        driver: LatticeBoltzmann,
+        simulation: &mut Simulation,
+        mut positions: Vec<[f64; 3]>,
+    ) -> Result<(), RunError> {
+        simulation.restore(&mut positions);
+        let mut immersion = immersion::<T>(scene, driver, simulation, &positions)?;
+        immersion.assist(simulation, &mut positions);
+        Ok(())
     }
 
     fn time(&self) -> f64 {
@@ -283,10 +296,11 @@ impl<T: Stored> Drive for Immersing<'_, T> {
         Some(self.immersion.fluid_at(points))
     }
 
-    fn sheared(&self) -> Option<Sheared<'_>> {
+    fn sheared(&mut self) -> Option<Sheared<'_>> {
         if self.progress.steps == 0 {
             return None;
         }
+        self.immersion.collect();
         let (driver, unit) = (self.driver, self.driver.units().velocity());
         let factor = self.scene.course.at(self.time());
         let [low, high] = driver.corners();
@@ -318,6 +332,7 @@ impl<T: Stored> Drive for Immersing<'_, T> {
             wall_stress: 0.5 * self.progress.wall_stresses.iter().sum::<f64>(),
             flow_rates: means.map(|mean| mean * height * depth),
             layers: [vec![wall(low[1])], layers, vec![wall(high[1])]].concat(),
+            positions: &self.positions,
             material: self.immersion.material_velocities(),
         })
     }
@@ -326,7 +341,7 @@ impl<T: Stored> Drive for Immersing<'_, T> {
         &self.progress.notes
     }
 
-    fn state(&self) -> DriveState {
+    fn state(&mut self) -> DriveState {
         T::stored(ImmersingState {
             schedule: self.clock.schedule(),
             immersion: self.immersion.state(),
@@ -346,13 +361,14 @@ fn immersion<T: ImmersionPrecision>(
     let units = driver.units();
     let [origin, _] = driver.corners();
     let on_lattice = |velocity: [f64; 3]| velocity.map(|component| component / units.velocity());
-    let mut lattice = Lattice::new(Setup {
+    let setup = Setup {
         cells: driver.cells,
         sides: sides(driver, scene.course.at(0.0)),
         viscosity: driver.lattice_viscosity,
         inertia: driver.density.is_some(),
         threads: available_threads(),
-    })?;
+    };
+    let mut lattice = Lattice::shared(setup, simulation.team().clone())?;
     let factor = scene.course.at(0.0);
     lattice.set_force(driving_force(driver, factor))?;
     lattice.fill(|cell| {
@@ -370,6 +386,7 @@ fn immersion<T: ImmersionPrecision>(
         lattice.add_obstacle(&obstacle.mesh, &Vec::from_iter(positions))?;
     }
     let mut immersion = Immersion::new(lattice, units, origin, driver.kernel, positions.len());
+    immersion.share(simulation.team().clone(), simulation.vertices_of_ranks());
     immerse(scene, driver, simulation, positions, &mut immersion);
     Ok(immersion)
 }
@@ -387,10 +404,13 @@ fn immerse<T: ImmersionPrecision>(
     let ratios = scene.surfaces.iter();
     let ratios = Vec::from_iter(ratios.map(|surface| surface.viscosity_ratio.unwrap_or(1.0)));
     immersion.set_viscosity_ratios(&meshes, &ratios);
-    let kept = |number: usize| driver.volume_correction || is_held(&scene.surfaces[number]);
+    let own = |number: usize| simulation.owns(number);
+    let kept = |number: usize| {
+        own(number) && (driver.volume_correction || is_held(&scene.surfaces[number]))
+    };
     immersion.keep_volumes(KeptVolumes::new(&meshes, &kept, positions));
-    let slides = |number: usize| driver.redistribution && scene.surfaces[number].slides();
-    let fluid = |number: usize| scene.surfaces[number].slides();
+    let fluid = |number: usize| own(number) && scene.surfaces[number].slides();
+    let slides = |number: usize| driver.redistribution && fluid(number);
     immersion.resist(Ripples::new(&meshes, &fluid, &ratios, driver.viscosity));
     immersion.redistribute(Redistribution::new(&meshes, &slides, SLIDING_TOLERANCE));
 }

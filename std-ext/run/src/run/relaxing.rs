@@ -436,7 +436,7 @@ impl Drive for Relaxing {
         &self.progress.notes
     }
 
-    fn state(&self) -> DriveState {
+    fn state(&mut self) -> DriveState {
         DriveState::Relaxing(RelaxingState {
             relaxation: self.relaxation.state().clone(),
             progress: self.progress.clone(),

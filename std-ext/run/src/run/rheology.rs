@@ -105,24 +105,24 @@ impl Rheometer {
     /// The numbers of a row; NaN before the first step, when walls feel nothing yet.
     pub(super) fn numbers(
         &self,
-        drive: &dyn Drive,
+        drive: &mut dyn Drive,
         simulation: &mut Simulation,
         acting: &[Acting],
     ) -> Vec<f64> {
         let numbers = drive
             .sheared()
             .filter(|_| self.settings.stress)
-            .and_then(|sheared| self.stresses(&sheared, drive.positions(), simulation, acting));
+            .and_then(|sheared| self.stresses(&sheared, simulation, acting));
         numbers.unwrap_or_else(|| vec![f64::NAN; self.columns().len()])
     }
 
     fn stresses(
         &self,
         sheared: &Sheared<'_>,
-        positions: &[[f64; 3]],
         simulation: &mut Simulation,
         acting: &[Acting],
     ) -> Option<Vec<f64>> {
+        let positions = sheared.positions;
         let viscosity = self.driver.viscosity;
         let volume = self.driver.size().iter().product::<f64>();
         let moment = simulation.moment(acting, positions, sheared.material)?;
@@ -155,13 +155,18 @@ impl Rheometer {
     }
 
     /// The profiles at this strain or time; `None` before the first step.
-    fn profile(&self, at: f64, drive: &dyn Drive, simulation: &Simulation) -> Option<Profile> {
+    fn profile(
+        &self,
+        at: f64,
+        drive: &mut dyn Drive,
+        simulation: &Simulation,
+    ) -> Option<Profile> {
         let heights = self.heights();
         let sheared = drive.sheared()?;
         let mut share = vec![0.0; self.settings.profiles];
         let bodies = simulation.bodies().iter().zip(&self.outermost);
         for (body, _) in bodies.filter(|(_, outermost)| **outermost) {
-            let volumes = volumes_between(body.surface(drive.positions())?, &heights);
+            let volumes = volumes_between(body.surface(sheared.positions)?, &heights);
             for (sum, volume) in share.iter_mut().zip(volumes) {
                 *sum += volume;
             }
@@ -205,7 +210,7 @@ impl Run<'_> {
             && rheometer.settings.profiles > 0
         {
             let at = self.last[self.strain_column()];
-            let profile = rheometer.profile(at, &*self.drive, &self.simulation);
+            let profile = rheometer.profile(at, &mut *self.drive, &self.simulation);
             let profiles = &mut self.outputs.profiles;
             // A run that is continued may have another number of slices than before.
             profiles.retain(|before| before.share.len() == rheometer.settings.profiles);

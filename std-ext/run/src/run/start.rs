@@ -54,3 +54,35 @@ pub(super) fn drive<'a>(
         _ => return Err(RunError::Mismatch),
     })
 }
+
+/// Refuses what only one rank can do.
+pub(super) fn refuse_ranks(scene: &Scene, simulation: &Simulation) -> Result<(), RunError> {
+    let ranks = simulation.team().count();
+    let replaced = scene.surfaces.iter().find(|surface| surface.remesh.is_some());
+    match (ranks, scene.driver, replaced) {
+        (1, ..) | (_, Driver::LatticeBoltzmann(_), None) => Ok(()),
+        (_, Driver::LatticeBoltzmann(_), Some(surface)) => Err(RunError::RemeshingOnRanks {
+            ranks,
+            surface: surface.name.clone(),
+        }),
+        (_, driver, _) => Err(RunError::DriverOnRanks {
+            ranks,
+            driver: driver.name(),
+        }),
+    }
+}
+
+/// The work of the scene's driver for the first of several ranks.
+pub(super) fn assist(
+    scene: &Scene,
+    simulation: &mut Simulation,
+    positions: Vec<[f64; 3]>,
+) -> Result<(), RunError> {
+    let Driver::LatticeBoltzmann(driver) = scene.driver else {
+        return Ok(());
+    };
+    match driver.precision {
+        Scalar::F32 | Scalar::F32Pair => Immersing::<f32>::assist(scene, driver, simulation, positions),
+        Scalar::F64 => Immersing::<f64>::assist(scene, driver, simulation, positions),
+    }
+}

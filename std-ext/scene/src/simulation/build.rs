@@ -7,6 +7,7 @@ use super::{Acts, Body, Obstacle, Repulsions, Simulation};
 use crate::dynamics::{Held, Membrane, Motion};
 use crate::effect::Lumping;
 use crate::enclosure::Bounded;
+use super::ranks::BodiesOfRanks;
 use crate::execute::{Parallel, Shares};
 use crate::info::MeshInfo;
 use crate::io::Column;
@@ -103,6 +104,7 @@ pub fn build(file: &SceneFile) -> Result<(Simulation, Vec<[f64; 3]>), BuildError
         warnings,
         acting: Shares::default(),
         resisting: Shares::default(),
+        ranks: BodiesOfRanks::default(),
     };
     simulation.set_load(0);
     Ok((simulation, positions))

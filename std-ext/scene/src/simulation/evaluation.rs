@@ -9,6 +9,7 @@ use crate::execute::Shares;
 use crate::flow::Membranes;
 use helfrich::Surface;
 use std::borrow::Cow;
+use std::ops::Range;
 use std::time::Instant;
 
 impl Body {
@@ -68,30 +69,11 @@ impl Problem for Simulation {
     }
 
     fn evaluate(&mut self, positions: &[[f64; 3]], force: &mut [[f64; 3]]) -> Evaluation {
-        checked::clear(force);
-        each_body(&mut self.acting, &mut self.bodies, force, |body, force| {
-            body.evaluate(positions, force);
-        });
-        let mut evaluation = Evaluation::default();
-        let mut add = |energy: f64| {
-            evaluation.energy += energy;
-            evaluation.energy_scale += energy.abs();
-        };
-        for body in &self.bodies {
-            match &body.energies {
-                Some(energies) => energies.iter().copied().for_each(&mut add),
-                None => return Evaluation::new(f64::NAN),
-            }
-        }
-        for between in &mut self.between {
-            let start = Instant::now();
-            let added = between.add_force(&self.bodies, &self.obstacles, positions, force);
-            let Some(energy) = added else {
-                return Evaluation::new(f64::NAN);
-            };
-            add(energy);
-            between.time += start.elapsed();
-            between.evaluations += 1;
+        let all = 0..self.bodies.len();
+        let mut evaluation = self.evaluate_bodies(all, positions, force);
+        match self.add_between(positions, force) {
+            Some(energies) => energies.into_iter().for_each(|energy| add(&mut evaluation, energy)),
+            None => return Evaluation::new(f64::NAN),
         }
         evaluation
     }
@@ -139,8 +121,14 @@ impl Membranes for Simulation {
         positions: &[[f64; 3]],
         forces: &mut [[f64; 3]],
     ) -> Result<(), String> {
-        let evaluation = self.evaluate(positions, forces);
-        if evaluation.energy.is_finite() {
+        let own = self.own_bodies();
+        let evaluation = self.evaluate_bodies(own, positions, forces);
+        let team = &self.ranks.team;
+        let finite = team.is_alone() || team.all(evaluation.energy.is_finite());
+        team.gather(forces, &self.vertices_of_ranks());
+        let between = self.add_between(positions, forces);
+        let energies = between.map(|energies| energies.iter().sum::<f64>());
+        if finite && energies.is_some_and(|sum| (sum + evaluation.energy).is_finite()) {
             return Ok(());
         }
         Err("the energy is not a finite number: the mesh has been torn apart".to_owned())
@@ -163,14 +151,60 @@ impl Membranes for Simulation {
     }
 }
 
-/// Does `work` for each body and its part of the vectors of all vertices.
+fn add(evaluation: &mut Evaluation, energy: f64) {
+    evaluation.energy += energy;
+    evaluation.energy_scale += energy.abs();
+}
+
+impl Simulation {
+    /// Sets the forces of each of these bodies on itself, and those on others to 0.
+    fn evaluate_bodies(
+        &mut self,
+        bodies: Range<usize>,
+        positions: &[[f64; 3]],
+        force: &mut [[f64; 3]],
+    ) -> Evaluation {
+        checked::clear(force);
+        let bodies = &mut self.bodies[bodies];
+        each_body(&mut self.acting, bodies, force, |body, force| {
+            body.evaluate(positions, force);
+        });
+        let mut evaluation = Evaluation::default();
+        for body in bodies {
+            match &body.energies {
+                Some(energies) => energies.iter().for_each(|&energy| add(&mut evaluation, energy)),
+                None => return Evaluation::new(f64::NAN),
+            }
+        }
+        evaluation
+    }
+
+    /// Adds the forces between bodies, and returns their energies; none if a position is not finite.
+    fn add_between(
+        &mut self,
+        positions: &[[f64; 3]],
+        force: &mut [[f64; 3]],
+    ) -> Option<Vec<f64>> {
+        let between = self.between.iter_mut().map(|between| {
+            let start = Instant::now();
+            let energy = between.add_force(&self.bodies, &self.obstacles, positions, force)?;
+            between.time += start.elapsed();
+            between.evaluations += 1;
+            Some(energy)
+        });
+        between.collect()
+    }
+}
+
+/// Does `work` for each body, which follow one after the other, and its part of the vectors of all vertices.
 fn each_body(
     shares: &mut Shares,
     bodies: &mut [Body],
     vectors: &mut [[f64; 3]],
     work: impl Fn(&mut Body, &mut [[f64; 3]]) + Sync,
 ) {
-    let mut rest = vectors;
+    let first = bodies.first().map_or(0, |body| body.vertices.start);
+    let mut rest = &mut vectors[first..];
     let parts = bodies.iter_mut().map(|body| {
         let vertices = body.vertices.len();
         let (own, after) = std::mem::take(&mut rest).split_at_mut(vertices);

@@ -1,5 +1,6 @@
 //! Membranes immersed in the fluid of a lattice.
 
+mod ranks;
 mod ripples;
 mod viscous;
 
@@ -10,11 +11,13 @@ use super::lattice_boltzmann::{
 };
 use super::{Effort, Fluid, KeptVolumes, Membranes, Redistribution};
 use helfrich::{Surface, TriangleMesh};
+use helfrich_execute::team::Team;
 use serde::{Deserialize, Serialize};
 use std::array;
 use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
+use ranks::Order;
 use viscous::ViscousForces;
 
 /// Membranes immersed in the fluid of a lattice. Vertices spread their forces over the nodes around them
@@ -54,6 +57,9 @@ pub struct Immersion<T> {
     /// The velocities without viscous forces, in lattice units.
     free: Vec<[f64; 3]>,
     viscous: ViscousForces,
+    team: Team,
+    /// The vertices of each rank's membranes.
+    shares: Vec<Range<usize>>,
     fluid: Effort,
     coupling: Effort,
 }
@@ -163,6 +169,8 @@ impl<T: ImmersionPrecision> Immersion<T> {
             placed: vec![[0.0; 3]; vertices],
             free: Vec::new(),
             viscous: ViscousForces::default(),
+            team: Team::alone(),
+            shares: vec![0..vertices],
             fluid: Effort::default(),
             coupling: Effort::default(),
         }
@@ -192,7 +200,7 @@ impl<T: ImmersionPrecision> Immersion<T> {
         // Of the populations alone, which a stored state has.
         self.lattice.clear_forces();
         self.immersed
-            .interpolate(&self.lattice, &mut self.velocities);
+            .interpolate(&mut self.lattice, &mut self.velocities);
         let unit = self.units.velocity();
         for velocity in &mut self.velocities {
             *velocity = velocity.map(|component| component * unit);
@@ -247,6 +255,7 @@ impl<T: ImmersionPrecision> Immersion<T> {
     /// # Errors
     /// As [`Lattice::set_force`] and [`Lattice::move_walls`].
     pub fn drive(&mut self, force: [f64; 3], sides: [Sides; 3]) -> Result<(), LatticeError> {
+        self.order(Order::Drive(force, sides));
         self.lattice.set_force(force)?;
         self.lattice.move_walls(sides)
     }
@@ -270,6 +279,7 @@ impl<T: ImmersionPrecision> Immersion<T> {
         membranes: &mut dyn Membranes,
         positions: &mut [[f64; 3]],
     ) -> Result<(), ImmersionError> {
+        self.order(Order::Advance);
         T::advance(self, membranes, positions)
     }
 
@@ -296,6 +306,7 @@ impl<T: ImmersionPrecision> Immersion<T> {
         self.ripples.add_to(&mut self.moving);
         self.coupling.add(start);
         self.check_speeds()?;
+        // What follows is done by each rank for its membranes.
         self.volumes.correct(positions, &mut self.moving);
         let velocities = if self.redistribution.is_empty() {
             &self.moving
@@ -311,6 +322,8 @@ impl<T: ImmersionPrecision> Immersion<T> {
             }
         }
         self.volumes.restore(positions);
+        self.team.gather(positions, &self.shares);
+        self.team.gather(&mut self.moving, &self.shares);
         Ok(())
     }
 
@@ -424,7 +437,8 @@ impl<T: ImmersionPrecision> Immersion<T> {
     /// Velocity and pressure at points of the fluid; NaN beyond walls and inside obstacles.
     ///
     /// The pressure is 0 in fluid at rest, up to a uniform part of the box.
-    pub fn fluid_at(&self, points: &[[f64; 3]]) -> Fluid {
+    pub fn fluid_at(&mut self, points: &[[f64; 3]]) -> Fluid {
+        self.collect();
         let node = |&point: &[f64; 3]| {
             let node = self.lattice.fluid_at(self.on_lattice(point));
             node.map_or(([f64::NAN; 3], f64::NAN), |node| {
@@ -448,20 +462,27 @@ impl<T: ImmersionPrecision> Immersion<T> {
     }
 
     /// The state to store, besides positions, in order to continue bit for bit.
-    pub fn state(&self) -> ImmersionState<T> {
+    pub fn state(&mut self) -> ImmersionState<T> {
+        self.collect();
         ImmersionState {
             lattice: self.lattice.state().clone(),
             velocities: self.velocities.clone(),
         }
     }
 
-    /// Restores a stored state.
+    /// Restores a stored state, at these positions.
     ///
     /// # Errors
     /// If the state belongs to a lattice of another size.
-    pub fn restore(&mut self, state: ImmersionState<T>) -> Result<(), LatticeError> {
+    pub fn restore(
+        &mut self,
+        state: ImmersionState<T>,
+        positions: &[[f64; 3]],
+    ) -> Result<(), LatticeError> {
         self.lattice.restore(state.lattice)?;
         self.velocities = state.velocities;
+        self.order(Order::Restore);
+        self.distribute(&mut positions.to_vec());
         Ok(())
     }
 }

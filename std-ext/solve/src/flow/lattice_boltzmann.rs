@@ -19,6 +19,7 @@ mod force;
 mod immersed;
 pub mod limits;
 mod obstacle;
+mod parts;
 mod reading;
 mod setup;
 mod speed;
@@ -39,6 +40,8 @@ use boundary::Links;
 use collision::{Fluid, Slab};
 use force::{NodalForces, NodalVelocities};
 use helfrich_execute::execute::in_parts;
+use helfrich_execute::team::Team;
+use parts::Parts;
 use pulp::Arch;
 use serde::{Deserialize, Serialize};
 use std::array;
@@ -104,6 +107,7 @@ pub struct State<T> {
 pub struct Lattice<T> {
     setup: Setup,
     layout: Layout,
+    parts: Parts,
     state: State<T>,
     force: [f64; 3],
     forces: Option<NodalForces<T>>,
@@ -122,21 +126,33 @@ impl<T: Precision> Lattice<T> {
     /// # Errors
     /// If a parameter is impossible, or there is not enough memory.
     pub fn new(setup: Setup) -> Result<Self, LatticeError> {
+        Self::shared(setup, Team::alone())
+    }
+
+    /// Fluid at rest, of which each rank has some planes of constant z. All ranks have to do the same with it: fill it,
+    /// advance it, place obstacles in it. Readings are of the planes of this rank, but for forces on walls and obstacles;
+    /// after [`Self::collect`] those of rank 0 are of all.
+    ///
+    /// # Errors
+    /// As [`Self::new`], and if there are too many ranks.
+    pub fn shared(setup: Setup, team: Team) -> Result<Self, LatticeError> {
         let layout = Layout::new::<T>(setup.cells)?;
         setup.check()?;
-        let mut populations = Vec::new();
-        (populations.try_reserve_exact(layout.slots())).map_err(|_| LatticeError::NoMemory {
+        let parts = Parts::new(team, setup.cells)?;
+        let no_memory = |_| LatticeError::NoMemory {
             bytes: layout.slots() * size_of::<T>(),
-        })?;
-        populations.resize(layout.slots(), T::zero());
+        };
+        Vec::<T>::new().try_reserve_exact(layout.slots()).map_err(no_memory)?;
         Ok(Self {
-            links: Links::new(&layout, &setup.sides, None),
+            links: Links::new(&layout, &parts, &setup.sides, None),
             state: State {
                 cells: setup.cells,
                 steps: 0,
-                populations,
+                // Zeros that nobody touches, those of other ranks' planes, take no memory.
+                populations: vec![T::zero(); layout.slots()],
             },
             layout,
+            parts,
             setup,
             force: [0.0; 3],
             forces: None,
@@ -199,10 +215,12 @@ impl<T: Precision> Lattice<T> {
     }
 
     /// Sets density and velocity of every node, with populations in equilibrium apart from the
-    /// forces.
+    /// forces; of several ranks before the first step.
     pub fn fill(&mut self, mut node: impl FnMut([usize; 3]) -> Node) {
         let odd = self.odd();
-        for number in 0..self.layout.nodes() {
+        let [length, rows, _] = self.layout.cells;
+        let planes = self.own_planes();
+        for number in planes.start * length * rows..planes.end * length * rows {
             let cell = self.layout.cell(number);
             let Node { density, velocity } = node(cell);
             let force = self.force_at(number);
@@ -276,6 +294,9 @@ impl<T: Precision> Lattice<T> {
 
     fn collide_and_stream(&mut self, velocities: Option<&mut NodalVelocities<T>>) {
         let odd = self.odd();
+        if odd {
+            self.fetch();
+        }
         let fluid = Fluid {
             tripled_viscosity: T::constant(3.0 * self.setup.viscosity),
             viscosities: self.viscosities.as_ref(),
@@ -288,20 +309,24 @@ impl<T: Precision> Lattice<T> {
             },
         };
         let layout = self.layout;
-        let share = layout.cells[2].div_ceil(self.setup.threads.get());
+        let own = self.own_planes();
+        let share = own.len().div_ceil(self.setup.threads.get());
         let mut planes = planes(&layout, odd, &mut self.state.populations);
-        let mut velocities = velocities.map(|velocities| velocities.slabs(share));
+        let mut velocities = velocities.map(|velocities| velocities.slabs(own.clone(), share));
         let slab = |(number, planes)| Slab {
             planes,
-            first: number * share,
+            first: own.start + number * share,
             odd,
             layout,
             fluid,
             velocities: velocities.as_mut().and_then(Iterator::next),
         };
-        let slabs = planes.chunks_mut(share).enumerate().map(slab);
+        let slabs = planes[own.clone()].chunks_mut(share).enumerate().map(slab);
         in_parts(slabs, &|slab| Arch::new().dispatch(slab));
-        self.links.bounce_back(&mut self.state.populations, odd);
+        if odd {
+            self.deliver();
+        }
+        (self.links).bounce_back(&mut self.state.populations, odd, &self.parts);
         self.state.steps += 1;
     }
 

@@ -1,11 +1,12 @@
 //! Single and double precision as pulp's vectors, behind one name.
 
+use bytemuck::Pod;
 use helfrich::Real;
 use pulp::Simd;
 use std::ops::{Add, Div, Mul, Sub};
 
 /// The numbers of large sums and of populations: `f32` and `f64`.
-pub trait Vectors: Real {
+pub trait Vectors: Real + Pod {
     /// A vector of these numbers.
     type Of<S: Simd>: Copy;
 

@@ -27,6 +27,19 @@ pub enum LatticeError {
         /// The requested size.
         bytes: usize,
     },
+    /// More ranks than planes allow.
+    #[error(
+        "{ranks} ranks cannot share {planes} planes of nodes along z, of which each needs 3: use {most} at \
+         most, or let z be the longest axis"
+    )]
+    TooManyRanks {
+        /// Number of ranks.
+        ranks: usize,
+        /// Number of nodes along z.
+        planes: usize,
+        /// The largest number of ranks.
+        most: usize,
+    },
     /// A viscosity that is not positive.
     #[error(
         "the viscosity is {viscosity} in lattice units: it has to be above 0, which is a relaxation \

@@ -54,15 +54,28 @@ impl<T: Precision> NodalForces<T> {
         }
     }
 
-    /// Parts of this many planes, to which threads can add in parallel.
-    pub(super) fn slabs(&mut self, planes: usize) -> Vec<ForceSlab<'_, T>> {
-        let nodes = self.length * self.rows * planes;
-        let [x, y, z] = self.axes.each_mut().map(|axis| axis.chunks_mut(nodes));
-        let touched = self.touched.chunks_mut(self.rows * planes);
+    /// Calls `change` with each component of all forces.
+    pub(super) fn each_array(&mut self, change: impl FnMut(&mut [T])) {
+        self.axes.each_mut().map(Vec::as_mut_slice).into_iter().for_each(change);
+    }
+
+    /// Whether each row has forces.
+    pub(super) fn touched_mut(&mut self) -> &mut [bool] {
+        &mut self.touched
+    }
+
+    /// Parts of `own` planes with this many planes, to which threads can add in parallel.
+    pub(super) fn slabs(&mut self, own: Range<usize>, planes: usize) -> Vec<ForceSlab<'_, T>> {
+        let rows = own.start * self.rows..own.end * self.rows;
+        let nodes = rows.start * self.length..rows.end * self.length;
+        let axes = self.axes.each_mut().map(|axis| &mut axis[nodes.clone()]);
+        let [x, y, z] = axes.map(|axis| axis.chunks_mut(self.length * self.rows * planes));
+        let touched = self.touched[rows].chunks_mut(self.rows * planes);
         let parts = x.zip(y).zip(z).zip(touched).enumerate();
+        let first = |number| own.start + number * planes;
         parts
             .map(|(number, (((x, y), z), touched))| ForceSlab {
-                planes: number * planes..(number + 1) * planes,
+                planes: first(number)..first(number + 1),
                 length: self.length,
                 rows: self.rows,
                 axes: [x, y, z],
@@ -102,10 +115,16 @@ impl<T: Precision> NodalVelocities<T> {
         }
     }
 
-    /// Parts of this many planes, which threads can set in parallel.
-    pub(super) fn slabs(&mut self, planes: usize) -> impl Iterator<Item = [&mut [T]; 3]> {
-        let nodes = self.length * self.rows * planes;
-        let [x, y, z] = self.axes.each_mut().map(|axis| axis.chunks_mut(nodes));
+    /// Parts of `own` planes with this many planes, which threads can set in parallel.
+    pub(super) fn slabs(
+        &mut self,
+        own: Range<usize>,
+        planes: usize,
+    ) -> impl Iterator<Item = [&mut [T]; 3]> {
+        let plane = self.length * self.rows;
+        let nodes = own.start * plane..own.end * plane;
+        let axes = self.axes.each_mut().map(|axis| &mut axis[nodes.clone()]);
+        let [x, y, z] = axes.map(|axis| axis.chunks_mut(plane * planes));
         x.zip(y).zip(z).map(|((x, y), z)| [x, y, z])
     }
 

@@ -4,6 +4,7 @@
 //! M. J. Berger, J. Comput. Phys. 153 (1999) 509.
 
 mod kernel;
+mod points;
 mod response;
 mod rows;
 
@@ -14,7 +15,9 @@ use crate::flow::lattice_boltzmann::reading::{Moments, NodeRow};
 use crate::flow::lattice_boltzmann::{Lattice, LatticeError, Precision, number};
 use helfrich_execute::execute::in_parts;
 use kernel::Stencil;
+use points::Points;
 use rows::Rows;
+use std::ops::Range;
 
 /// The least number of points that is worth starting a thread.
 const POINTS_A_THREAD: usize = 1024;
@@ -40,6 +43,8 @@ pub struct Immersed {
     nodes: Vec<[f64; 3]>,
     /// ½/ρ of each: the velocity that a unit force adds.
     responses: Vec<f64>,
+    /// The division of the points among ranks.
+    points: Points,
 }
 
 impl Immersed {
@@ -52,6 +57,7 @@ impl Immersed {
             rows: Rows::default(),
             nodes: Vec::new(),
             responses: Vec::new(),
+            points: Points::default(),
         }
     }
 
@@ -136,8 +142,9 @@ impl Immersed {
         for &force in forces {
             checked_force(force)?;
         }
-        let share = lattice.cells()[2].div_ceil(self.threads(lattice));
-        let slabs = lattice.nodal_forces().slabs(share);
+        let own = lattice.own_planes();
+        let share = own.len().div_ceil(self.threads(lattice));
+        let slabs = lattice.nodal_forces().slabs(own, share);
         // Each thread visits all points in their order and adds the part in its planes, so that
         // sums do not depend on the number of threads.
         in_parts(slabs.into_iter(), &|slab| self.spread_into(slab, forces));
@@ -189,21 +196,32 @@ impl Immersed {
     }
 
     /// Sets the velocities of the fluid at the points, with the half of all forces that a
-    /// [`Node`](super::Node) has: from the populations, node by node.
+    /// [`Node`](super::Node) has: from the populations, node by node. Ranks read those of their planes, and all know the
+    /// result.
     ///
     /// # Panics
     /// If there is not one velocity per point, or they were placed in a lattice of another size.
-    pub fn interpolate<T: Precision>(&mut self, lattice: &Lattice<T>, velocities: &mut [[f64; 3]]) {
+    pub fn interpolate<T: Precision>(
+        &mut self,
+        lattice: &mut Lattice<T>,
+        velocities: &mut [[f64; 3]],
+    ) {
         assert_eq!(velocities.len(), self.count(), "one velocity a point");
         self.assert_size(lattice);
+        lattice.prepare_reading();
         self.rows.cover(self.cells, self.kernel, &self.stencils);
         let threads = self.threads(lattice);
         self.nodes.resize(self.rows.nodes, [0.0; 3]);
         self.responses.resize(self.rows.nodes, 0.0);
-        let share = self.rows.runs.len().div_ceil(threads).max(1);
-        let mut left = self.nodes.as_mut_slice();
-        let mut responses = self.responses.as_mut_slice();
-        let parts = self.rows.runs.chunks(share).map(|runs| {
+        let known = (lattice.each_part()).map(|planes| self.rows.of_planes(planes));
+        let known = Vec::from_iter(known);
+        let (runs, nodes) = known[lattice.rank()].clone();
+        let runs = &self.rows.runs[runs];
+        let share = runs.len().div_ceil(threads).max(1);
+        let mut left = &mut self.nodes[nodes.clone()];
+        let mut responses = &mut self.responses[nodes];
+        let lattice = &*lattice;
+        let parts = runs.chunks(share).map(|runs| {
             let nodes = runs.iter().map(|run| run.count).sum();
             let own = left.split_off_mut(..nodes).unwrap_or_default();
             let own_responses = responses.split_off_mut(..nodes).unwrap_or_default();
@@ -212,6 +230,9 @@ impl Immersed {
         in_parts(parts, &|(runs, velocities, responses)| {
             read_velocities(lattice, runs, velocities, responses);
         });
+        let known = Vec::from_iter(known.into_iter().map(|(_, nodes)| nodes));
+        lattice.gather(&mut self.nodes, &known);
+        lattice.gather(&mut self.responses, &known);
         self.interpolate_nodes(threads, velocities);
     }
 
@@ -257,13 +278,14 @@ impl Immersed {
 
     /// Sets the velocities at the points with which the last step began, which was
     /// [`Lattice::advance_keeping_velocities`]: those that [`Self::interpolate`] would have found
-    /// before it, to the rounding of the lattice's numbers, in less time.
+    /// before it, to the rounding of the lattice's numbers, in less time. Each rank finds those of points in its planes, and all
+    /// know the result.
     ///
     /// # Panics
     /// If there is not one velocity per point, they were placed in a lattice of another size, or their
     /// forces were not [spread](Self::spread) before that step.
     pub fn interpolate_kept<T: Precision>(
-        &self,
+        &mut self,
         lattice: &Lattice<T>,
         velocities: &mut [[f64; 3]],
     ) {
@@ -273,29 +295,88 @@ impl Immersed {
             assert!(self.stencils.is_empty(), "no step has kept velocities");
             return;
         };
-        share_points(
-            self.threads(lattice),
-            velocities,
-            &self.stencils,
-            |stencils, velocities| match self.kernel {
-                Kernel::Two => self.interpolate_kept_by::<T, 2>(kept, stencils, velocities),
-                Kernel::Three => self.interpolate_kept_by::<T, 3>(kept, stencils, velocities),
-                Kernel::Four => self.interpolate_kept_by::<T, 4>(kept, stencils, velocities),
-            },
-        );
+        let threads = self.threads(lattice);
+        if lattice.is_alone() {
+            let planes = 0..self.cells[2];
+            share_points(threads, velocities, &self.stencils, |stencils, velocities| {
+                velocities.fill([0.0; 3]);
+                self.add_kept(kept, &planes, stencils, velocities);
+            });
+        } else {
+            self.interpolate_in_parts(lattice, kept, threads, velocities);
+        }
     }
 
-    fn interpolate_kept_by<T: Precision, const POINTS: usize>(
+    /// As [`Self::interpolate_kept`], on several ranks. Nodes of a point are added in their order: if they belong to two ranks,
+    /// the first of them sends its sum to the other.
+    fn interpolate_in_parts<T: Precision>(
+        &mut self,
+        lattice: &Lattice<T>,
+        kept: &NodalVelocities<T>,
+        threads: usize,
+        velocities: &mut [[f64; 3]],
+    ) {
+        let mut points = std::mem::take(&mut self.points);
+        points.divide(lattice, self.kernel, &self.stencils);
+        let planes = lattice.own_planes();
+        let sum = |numbers: &[u32], sums: &mut [[f64; 3]]| {
+            let stencils = numbers.iter().map(|&number| self.stencils[number as usize]);
+            let stencils = Vec::from_iter(stencils);
+            share_points(threads, sums, &stencils, |stencils, sums| {
+                self.add_kept(kept, &planes, stencils, sums);
+            });
+        };
+        let mut begun = vec![[0.0; 3]; points.leaving.len()];
+        sum(&points.leaving, &mut begun);
+        let mut coming = vec![[0.0; 3]; points.coming.len()];
+        lattice.pass_on(&begun, &mut coming);
+        let mut coming = coming.into_iter();
+        let own = points.own(lattice.rank());
+        let mut sums = Vec::from_iter(points.order[own.clone()].iter().map(|number| {
+            match points.coming.binary_search(number) {
+                Ok(_) => coming.next().unwrap_or_default(),
+                Err(_) => [0.0; 3],
+            }
+        }));
+        sum(&points.order[own.clone()], &mut sums);
+        points.found.resize(velocities.len(), [0.0; 3]);
+        points.found[own].copy_from_slice(&sums);
+        lattice.gather(&mut points.found, &points.parts);
+        for (&number, found) in points.order.iter().zip(&points.found) {
+            velocities[number as usize] = *found;
+        }
+        self.points = points;
+    }
+
+    /// Adds what nodes in some planes contribute to the velocities at points.
+    fn add_kept<T: Precision>(
         &self,
         kept: &NodalVelocities<T>,
+        planes: &Range<usize>,
+        stencils: &[Stencil],
+        velocities: &mut [[f64; 3]],
+    ) {
+        match self.kernel {
+            Kernel::Two => self.add_kept_by::<T, 2>(kept, planes, stencils, velocities),
+            Kernel::Three => self.add_kept_by::<T, 3>(kept, planes, stencils, velocities),
+            Kernel::Four => self.add_kept_by::<T, 4>(kept, planes, stencils, velocities),
+        }
+    }
+
+    fn add_kept_by<T: Precision, const POINTS: usize>(
+        &self,
+        kept: &NodalVelocities<T>,
+        planes: &Range<usize>,
         stencils: &[Stencil],
         velocities: &mut [[f64; 3]],
     ) {
         for (stencil, velocity) in stencils.iter().zip(velocities) {
             let [x, y, z] = stencil.nodes::<POINTS>(self.cells);
             let [across_x, across_y, across_z] = stencil.weights;
-            *velocity = [0.0; 3];
             for (z, across_z) in z.into_iter().zip(across_z) {
+                if !planes.contains(&z) {
+                    continue;
+                }
                 for (y, across_y) in y.into_iter().zip(across_y) {
                     let weight = across_y * across_z;
                     let Some(axes) = kept.row(y + self.cells[1] * z) else {

@@ -107,14 +107,18 @@ impl<T: Precision> Lattice<T> {
         let odd = self.odd();
         let label = (FIRST_OBSTACLE + self.obstacles) as u16;
         let labels = (self.labels).get_or_insert_with(|| vec![0; self.layout.nodes()]);
+        let own = self.parts.own();
         for (node, _) in inside.iter().enumerate().filter(|&(_, &inside)| inside) {
             labels[node] = label;
             let cell = self.layout.cell(node);
+            if !own.contains(&cell[2]) {
+                continue;
+            }
             for direction in 0..Q {
                 self.state.populations[self.layout.place(odd, direction, cell)] = T::zero();
             }
         }
-        self.links = Links::new(&self.layout, &self.setup.sides, Some(labels));
+        self.links = Links::new(&self.layout, &self.parts, &self.setup.sides, Some(labels));
         self.obstacles += 1;
         Ok(self.obstacles - 1)
     }

@@ -89,6 +89,9 @@ impl<T: Precision> Lattice<T> {
         let layout = &self.layout;
         let viscosities = (self.viscosities).get_or_insert_with(|| NodalViscosities::new(layout));
         viscosities.own.fill(false);
+        let [_, rows, _] = layout.cells;
+        let own = self.parts.own();
+        let inner = (inner.into_iter()).filter(|&(_, _, row, _)| own.contains(&(row / rows)));
         for (_, viscosity, row, nodes) in inner {
             let tripled = T::constant(3.0 * viscosity);
             viscosities.row_mut(row, others)[nodes].fill(tripled);

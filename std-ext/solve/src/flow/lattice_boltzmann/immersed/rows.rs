@@ -2,6 +2,7 @@
 
 use super::kernel::{Kernel, Stencil};
 use crate::flow::lattice_boltzmann::reading::NodeRow;
+use std::ops::Range;
 
 /// The least gap, in nodes, between two parts of a row. Smaller gaps are bridged, because they
 /// share cache lines with the parts.
@@ -46,6 +47,15 @@ impl Rows {
     pub(super) fn part(&self, x: usize, row: usize) -> RowSpan {
         let parts = self.parts[row];
         parts[usize::from(x >= parts[1].start)]
+    }
+
+    /// The runs in some planes, and their nodes among those of all.
+    pub(super) fn of_planes(&self, planes: Range<usize>) -> (Range<usize>, Range<usize>) {
+        let first = |plane| self.runs.partition_point(|run| run.start[2] < plane);
+        let runs = first(planes.start)..first(planes.end);
+        let before = self.runs[..runs.start].iter().map(|run| run.count).sum::<usize>();
+        let within = self.runs[runs.clone()].iter().map(|run| run.count).sum::<usize>();
+        (runs, before..before + within)
     }
 
     /// Rebuilds the parts.
