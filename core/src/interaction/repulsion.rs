@@ -66,7 +66,7 @@ pub struct Repulsion<T> {
 }
 
 /// Memory of [`Repulsion`]: a list of what may come near each other, which is searched for again only once surfaces have
-/// moved far enough. Results do not depend on it.
+/// moved far enough. Results do not depend on it, unless it is [limited](Self::limit_to).
 #[derive(Clone, Debug, Default)]
 pub struct RepulsionMemory<T> {
     neighbours: Neighbours<T>,
@@ -100,6 +100,13 @@ const BUNDLE: usize = 8;
 const BUNDLES: usize = 2048;
 
 impl<T: Real> RepulsionMemory<T> {
+    /// From now on, only forces on those surfaces are computed for which this is true: they have the same bits as among the
+    /// forces on all. Those on others, and the energy, then lack what these do not feel. With `None`, everything is computed
+    /// again.
+    pub fn limit_to(&mut self, surfaces: Option<&[bool]>) {
+        self.neighbours.limit_to(surfaces);
+    }
+
     /// Number of vertices that the last search found near the box of another surface or an image. If 0, the evaluation
     /// ended there.
     pub fn candidates(&self) -> usize {

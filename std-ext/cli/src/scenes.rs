@@ -152,7 +152,7 @@ fn assist_run(arguments: &RunArguments, team: &Team) -> Result<(), Failure> {
     // Handled here as well: who interrupts the run means the first rank.
     let _ = interruption();
     let result = prepared(&arguments.scene).and_then(|(scene, mut simulation, positions)| {
-        simulation.share(team.clone());
+        simulation.share(team.clone(), &positions);
         assist(&scene, (simulation, positions)).map_err(Failure::input)
     });
     match result {
@@ -165,7 +165,7 @@ fn assist_run(arguments: &RunArguments, team: &Team) -> Result<(), Failure> {
 /// The run, as the first rank.
 fn run_alone(arguments: &RunArguments, team: &Team) -> Result<(), Failure> {
     let (scene, mut simulation, positions) = scene(&arguments.scene)?;
-    simulation.share(team.clone());
+    simulation.share(team.clone(), &positions);
     let path = &arguments.scene.scene;
     if arguments.check {
         check(&scene, (simulation, positions)).map_err(Failure::input)?;

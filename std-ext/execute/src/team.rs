@@ -137,6 +137,9 @@ impl Team {
 
     /// Whether something holds on all ranks.
     pub fn all(&self, own: bool) -> bool {
+        if self.is_alone() {
+            return own;
+        }
         let mut known = vec![0_u8; self.count()];
         known[self.number()] = u8::from(own);
         self.gather(&mut known, &self.divide(self.count()));
@@ -195,6 +198,77 @@ impl Team {
 
     fn expect(&self) -> &dyn Ranks {
         self.ranks.as_deref().expect("there are other ranks")
+    }
+}
+
+/// Things, for example the vertices of surfaces, each of which belongs to one rank; those of a rank need not follow one after
+/// the other.
+#[derive(Clone, Debug)]
+pub struct Division {
+    team: Team,
+    /// Ranges of things, those of one rank after those of another.
+    pieces: Vec<Range<usize>>,
+    /// The pieces of each rank.
+    of_ranks: Vec<Range<usize>>,
+    /// The things of each rank, if all were in the order of pieces.
+    parts: Vec<Range<usize>>,
+}
+
+impl Division {
+    /// A division of the things in these ranges, in their order for each rank.
+    ///
+    /// # Panics
+    /// If there are not ranges for each rank.
+    pub fn new(team: Team, ranges: Vec<Vec<Range<usize>>>) -> Self {
+        assert_eq!(ranges.len(), team.count(), "ranges for each rank");
+        let (mut pieces, mut of_ranks, mut parts) = (Vec::new(), Vec::new(), Vec::new());
+        let mut start = 0;
+        for ranges in ranges {
+            let first = pieces.len();
+            let count = ranges.iter().map(Range::len).sum::<usize>();
+            pieces.extend(ranges);
+            of_ranks.push(first..pieces.len());
+            parts.push(start..start + count);
+            start += count;
+        }
+        Self {
+            team,
+            pieces,
+            of_ranks,
+            parts,
+        }
+    }
+
+    /// The division of one rank alone.
+    pub fn alone() -> Self {
+        Self::new(Team::alone(), vec![Vec::new()])
+    }
+
+    /// The ranks.
+    pub fn team(&self) -> &Team {
+        &self.team
+    }
+
+    /// Completes numbers of which each rank knows its own.
+    pub fn gather<N: Pod>(&self, numbers: &mut [N]) {
+        if self.team.is_alone() {
+            return;
+        }
+        let number = self.team.number();
+        let mut ordered = vec![N::zeroed(); self.parts.last().map_or(0, |part| part.end)];
+        let mut own = &mut ordered[self.parts[number].clone()];
+        for piece in &self.pieces[self.of_ranks[number].clone()] {
+            let (first, rest) = own.split_at_mut(piece.len());
+            first.copy_from_slice(&numbers[piece.clone()]);
+            own = rest;
+        }
+        self.team.gather(&mut ordered, &self.parts);
+        let mut ordered = ordered.as_slice();
+        for piece in &self.pieces {
+            let (first, rest) = ordered.split_at(piece.len());
+            numbers[piece.clone()].copy_from_slice(first);
+            ordered = rest;
+        }
     }
 }
 

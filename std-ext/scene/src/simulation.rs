@@ -34,7 +34,7 @@ use crate::ordered::Ordered;
 use crate::scene::{HeldTargets, Named, SceneError, Stretch, Stretching};
 use helfrich::interaction::RepulsionMemory;
 use helfrich::{AnyFunctional, Finding, Images, Repulsion, Surface, TriangleMesh};
-use ranks::BodiesOfRanks;
+use helfrich_execute::team::Division;
 use std::ops::Range;
 use std::sync::Arc;
 use std::time::Duration;
@@ -54,7 +54,9 @@ pub struct Simulation {
     /// The division of bodies among threads, for forces and for viscous forces.
     acting: Shares,
     resisting: Shares,
-    ranks: BodiesOfRanks,
+    /// The division of vertices among ranks, and whether each body belongs to this one; empty for one that is alone.
+    division: Division,
+    own: Vec<bool>,
 }
 
 /// One surface.
@@ -108,6 +110,8 @@ struct Repulsions {
     /// The obstacles, with memory for the forces on them.
     solids: Vec<(usize, Vec<[f64; 3]>)>,
     memory: RepulsionMemory<f64>,
+    /// The same for the surfaces of one of several ranks.
+    own_memory: RepulsionMemory<f64>,
     execution: Parallel,
     evaluations: u64,
     time: Duration,
@@ -373,7 +377,7 @@ impl Simulation {
         }
         for between in &mut self.between {
             let mut force = vec![[0.0; 3]; positions.len()];
-            match between.add_force(&self.bodies, &self.obstacles, positions, &mut force) {
+            match between.add_force(&self.bodies, &[], &self.obstacles, positions, &mut force) {
                 Some(energy) => add(true, energy, 0..positions.len(), force),
                 None => return Vec::new(),
             }

@@ -19,6 +19,8 @@ use core::ops::Range;
 /// do not depend on when the list was made.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Neighbours<T> {
+    /// For each surface whether forces on it are wanted, if not on all.
+    only: Option<Vec<bool>>,
     /// The repulsion for which they were searched, and the number of evaluations since then.
     searched: Option<(Repulsion<T>, u32)>,
     skin: T,
@@ -114,6 +116,13 @@ impl<T: Real> Neighbours<T> {
     /// The triangles of all vertices: their numbers among [`Self::faces`].
     pub(super) fn pairs(&self) -> &[u32] {
         &self.pairs
+    }
+
+    /// Lists only what acts on some surfaces.
+    pub(super) fn limit_to(&mut self, only: Option<&[bool]>) {
+        if self.only.as_deref() != only {
+            (self.only, self.searched) = (only.map(<[bool]>::to_vec), None);
+        }
     }
 
     /// Number of vertices that the last search found near the box of another surface or an image.
@@ -282,6 +291,7 @@ impl<T: Real> Neighbours<T> {
             offsets,
             found,
             numbers,
+            only,
             ..
         } = self;
         let places = vertex_places.places.as_slice();
@@ -298,8 +308,8 @@ impl<T: Real> Neighbours<T> {
             let mut kept = 0;
             for k in 0..slots.len() {
                 let face = slots[k] as usize;
-                let acts = repulsion.acts(place[0] as usize, found[face][0] as usize);
-                if acts && near.is_near(&vertex, &near_faces[face]) {
+                let both = [place[0] as usize, found[face][0] as usize];
+                if act(repulsion, only.as_deref(), both) && near.is_near(&vertex, &near_faces[face]) {
                     slots[kept] = slots[k];
                     kept += 1;
                 }
@@ -347,6 +357,7 @@ impl<T: Real> Neighbours<T> {
             close,
             vertex_places,
             face_places,
+            only,
             ..
         } = self;
         vertex_places.clear();
@@ -365,8 +376,9 @@ impl<T: Real> Neighbours<T> {
         );
         for (a, surface) in surfaces.iter().enumerate() {
             near.clear();
-            let mut own = repulsion.parts;
-            let others = (0..surfaces.len()).filter(|&b| repulsion.acts(a, b));
+            let wanted = act(repulsion, only.as_deref(), [a, a]);
+            let mut own = repulsion.parts && wanted;
+            let others = (0..surfaces.len()).filter(|&b| act(repulsion, only.as_deref(), [a, b]));
             for b in others.filter(|&b| a != b || images.own) {
                 let [low, high] = bounds[b];
                 let widened = |by: T| [low.map(|x| x - by), high.map(|x| x + by)];
@@ -382,7 +394,7 @@ impl<T: Real> Neighbours<T> {
                 images.add_meeting(widened(within), bounds[a], a == b, near);
                 own |= a == b && near.len() > before;
             }
-            if repulsion.parts {
+            if repulsion.parts && wanted {
                 near.push(bounds[a]);
                 close.push([a as u32; 2]);
             }
@@ -395,6 +407,12 @@ impl<T: Real> Neighbours<T> {
         }
         width
     }
+}
+
+/// Whether two surfaces may act on each other, of which forces on one are wanted.
+fn act<T: Real>(repulsion: &Repulsion<T>, only: Option<&[bool]>, both: [usize; 2]) -> bool {
+    let wanted = |only: &[bool]| both.iter().any(|&surface| only.get(surface) == Some(&true));
+    only.is_none_or(wanted) && repulsion.acts(both[0], both[1])
 }
 
 /// The number of a triangle, a new one at the end of `faces` if it has none yet.

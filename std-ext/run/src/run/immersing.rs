@@ -368,7 +368,7 @@ fn immersion<T: ImmersionPrecision>(
         inertia: driver.density.is_some(),
         threads: available_threads(),
     };
-    let mut lattice = Lattice::shared(setup, simulation.team().clone())?;
+    let mut lattice = Lattice::shared(setup, simulation.division().team().clone())?;
     let factor = scene.course.at(0.0);
     lattice.set_force(driving_force(driver, factor))?;
     lattice.fill(|cell| {
@@ -386,7 +386,7 @@ fn immersion<T: ImmersionPrecision>(
         lattice.add_obstacle(&obstacle.mesh, &Vec::from_iter(positions))?;
     }
     let mut immersion = Immersion::new(lattice, units, origin, driver.kernel, positions.len());
-    immersion.share(simulation.team().clone(), simulation.vertices_of_ranks());
+    immersion.share(simulation.division().clone());
     immerse(scene, driver, simulation, positions, &mut immersion);
     Ok(immersion)
 }

@@ -57,7 +57,7 @@ pub(super) fn drive<'a>(
 
 /// Refuses what only one rank can do.
 pub(super) fn refuse_ranks(scene: &Scene, simulation: &Simulation) -> Result<(), RunError> {
-    let ranks = simulation.team().count();
+    let ranks = simulation.division().team().count();
     let replaced = scene.surfaces.iter().find(|surface| surface.remesh.is_some());
     match (ranks, scene.driver, replaced) {
         (1, ..) | (_, Driver::LatticeBoltzmann(_), None) => Ok(()),

@@ -7,7 +7,6 @@ use super::{Acts, Body, Obstacle, Repulsions, Simulation};
 use crate::dynamics::{Held, Membrane, Motion};
 use crate::effect::Lumping;
 use crate::enclosure::Bounded;
-use super::ranks::BodiesOfRanks;
 use crate::execute::{Parallel, Shares};
 use crate::info::MeshInfo;
 use crate::io::Column;
@@ -18,6 +17,7 @@ use crate::scene::{
 };
 use helfrich::interaction::RepulsionMemory;
 use helfrich::shapes::Shape;
+use helfrich_execute::team::Division;
 use helfrich::{
     AnyFunctional, Constraint, ConstraintError, Constraints, Images, Repulsion, Surface,
     TriangleMesh,
@@ -104,7 +104,8 @@ pub fn build(file: &SceneFile) -> Result<(Simulation, Vec<[f64; 3]>), BuildError
         warnings,
         acting: Shares::default(),
         resisting: Shares::default(),
-        ranks: BodiesOfRanks::default(),
+        division: Division::alone(),
+        own: Vec::new(),
     };
     simulation.set_load(0);
     Ok((simulation, positions))
@@ -190,6 +191,7 @@ fn between_bodies(
         bodies: moving.to_vec(),
         solids: solids.collect(),
         memory: RepulsionMemory::default(),
+        own_memory: RepulsionMemory::default(),
         execution: Parallel::new(),
         evaluations: 0,
         time: Duration::ZERO,

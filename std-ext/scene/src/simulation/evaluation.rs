@@ -69,9 +69,8 @@ impl Problem for Simulation {
     }
 
     fn evaluate(&mut self, positions: &[[f64; 3]], force: &mut [[f64; 3]]) -> Evaluation {
-        let all = 0..self.bodies.len();
-        let mut evaluation = self.evaluate_bodies(all, positions, force);
-        match self.add_between(positions, force) {
+        let mut evaluation = self.evaluate_bodies(&[], positions, force);
+        match self.add_between(&[], positions, force) {
             Some(energies) => energies.into_iter().for_each(|energy| add(&mut evaluation, energy)),
             None => return Evaluation::new(f64::NAN),
         }
@@ -121,14 +120,14 @@ impl Membranes for Simulation {
         positions: &[[f64; 3]],
         forces: &mut [[f64; 3]],
     ) -> Result<(), String> {
-        let own = self.own_bodies();
-        let evaluation = self.evaluate_bodies(own, positions, forces);
-        let team = &self.ranks.team;
-        let finite = team.is_alone() || team.all(evaluation.energy.is_finite());
-        team.gather(forces, &self.vertices_of_ranks());
-        let between = self.add_between(positions, forces);
+        let own = std::mem::take(&mut self.own);
+        let evaluation = self.evaluate_bodies(&own, positions, forces);
+        let between = self.add_between(&own, positions, forces);
+        self.own = own;
         let energies = between.map(|energies| energies.iter().sum::<f64>());
-        if finite && energies.is_some_and(|sum| (sum + evaluation.energy).is_finite()) {
+        let finite = energies.is_some_and(|sum| (sum + evaluation.energy).is_finite());
+        self.division.gather(forces);
+        if self.division.team().all(finite) {
             return Ok(());
         }
         Err("the energy is not a finite number: the mesh has been torn apart".to_owned())
@@ -145,7 +144,7 @@ impl Membranes for Simulation {
         forces: &mut [[f64; 3]],
     ) {
         let resisting = &mut self.resisting;
-        each_body(resisting, &mut self.bodies, forces, |body, forces| {
+        each_body(resisting, &mut self.bodies, &[], forces, |body, forces| {
             body.resist(positions, velocities, forces);
         });
     }
@@ -157,20 +156,19 @@ fn add(evaluation: &mut Evaluation, energy: f64) {
 }
 
 impl Simulation {
-    /// Sets the forces of each of these bodies on itself, and those on others to 0.
+    /// Sets the forces of bodies on themselves: of all, or of those for which `only` is true.
     fn evaluate_bodies(
         &mut self,
-        bodies: Range<usize>,
+        only: &[bool],
         positions: &[[f64; 3]],
         force: &mut [[f64; 3]],
     ) -> Evaluation {
         checked::clear(force);
-        let bodies = &mut self.bodies[bodies];
-        each_body(&mut self.acting, bodies, force, |body, force| {
+        each_body(&mut self.acting, &mut self.bodies, only, force, |body, force| {
             body.evaluate(positions, force);
         });
         let mut evaluation = Evaluation::default();
-        for body in bodies {
+        for body in chosen(&mut self.bodies, only) {
             match &body.energies {
                 Some(energies) => energies.iter().for_each(|&energy| add(&mut evaluation, energy)),
                 None => return Evaluation::new(f64::NAN),
@@ -179,15 +177,17 @@ impl Simulation {
         evaluation
     }
 
-    /// Adds the forces between bodies, and returns their energies; none if a position is not finite.
+    /// Adds the forces between bodies, and returns the energies; none if a position is not finite. If forces on some bodies `only`
+    /// are wanted, those on others, and the energies, lack something.
     fn add_between(
         &mut self,
+        only: &[bool],
         positions: &[[f64; 3]],
         force: &mut [[f64; 3]],
     ) -> Option<Vec<f64>> {
         let between = self.between.iter_mut().map(|between| {
             let start = Instant::now();
-            let energy = between.add_force(&self.bodies, &self.obstacles, positions, force)?;
+            let energy = between.add_force(&self.bodies, only, &self.obstacles, positions, force)?;
             between.time += start.elapsed();
             between.evaluations += 1;
             Some(energy)
@@ -196,29 +196,39 @@ impl Simulation {
     }
 }
 
-/// Does `work` for each body, which follow one after the other, and its part of the vectors of all vertices.
+/// All bodies, or those for which `only` is true.
+fn chosen<'a>(bodies: &'a mut [Body], only: &[bool]) -> impl Iterator<Item = &'a mut Body> {
+    let chosen = |number: usize| only.get(number).is_none_or(|only| *only);
+    let bodies = bodies.iter_mut().enumerate();
+    bodies.filter_map(move |(number, body)| chosen(number).then_some(body))
+}
+
+/// Does `work` for each body, or for those for which `only` is true, and its part of the vectors of all vertices.
 fn each_body(
     shares: &mut Shares,
     bodies: &mut [Body],
+    only: &[bool],
     vectors: &mut [[f64; 3]],
     work: impl Fn(&mut Body, &mut [[f64; 3]]) + Sync,
 ) {
-    let first = bodies.first().map_or(0, |body| body.vertices.start);
-    let mut rest = &mut vectors[first..];
-    let parts = bodies.iter_mut().map(|body| {
-        let vertices = body.vertices.len();
-        let (own, after) = std::mem::take(&mut rest).split_at_mut(vertices);
-        rest = after;
-        (vertices, (body, own))
+    let (mut rest, mut first) = (vectors, 0);
+    let parts = chosen(bodies, only).map(|body| {
+        let Range { start, end } = body.vertices;
+        let (_, own) = std::mem::take(&mut rest).split_at_mut(start - first);
+        let (own, after) = own.split_at_mut(end - start);
+        (rest, first) = (after, end);
+        (end - start, (body, own))
     });
     shares.each(parts, |(body, own)| work(body, own));
 }
 
 impl Repulsions {
-    /// Adds the forces and returns the energy; none if a position is not finite.
+    /// Adds the forces and returns the energy; none if a position is not finite. If forces on some bodies `only` are wanted, those
+    /// on others, and the energy, lack something.
     pub(super) fn add_force(
         &mut self,
         bodies: &[Body],
+        only: &[bool],
         obstacles: &[Obstacle],
         positions: &[[f64; 3]],
         force: &mut [[f64; 3]],
@@ -248,13 +258,14 @@ impl Repulsions {
             unused.fill([0.0; 3]);
             forces.push(unused);
         }
-        let (repulsion, memory) = (&self.repulsion, &mut self.memory);
-        Some(repel(
-            &self.execution,
-            repulsion,
-            &surfaces,
-            memory,
-            &mut forces,
-        ))
+        let memory = if only.is_empty() {
+            &mut self.memory
+        } else {
+            let only = Vec::from_iter(self.bodies.iter().map(|&body| only[body]));
+            self.own_memory.limit_to(Some(&only));
+            &mut self.own_memory
+        };
+        let (execution, repulsion) = (&self.execution, &self.repulsion);
+        Some(repel(execution, repulsion, &surfaces, memory, &mut forces))
     }
 }

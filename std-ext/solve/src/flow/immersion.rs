@@ -11,7 +11,7 @@ use super::lattice_boltzmann::{
 };
 use super::{Effort, Fluid, KeptVolumes, Membranes, Redistribution};
 use helfrich::{Surface, TriangleMesh};
-use helfrich_execute::team::Team;
+use helfrich_execute::team::Division;
 use serde::{Deserialize, Serialize};
 use std::array;
 use std::ops::Range;
@@ -57,9 +57,8 @@ pub struct Immersion<T> {
     /// The velocities without viscous forces, in lattice units.
     free: Vec<[f64; 3]>,
     viscous: ViscousForces,
-    team: Team,
     /// The vertices of each rank's membranes.
-    shares: Vec<Range<usize>>,
+    division: Division,
     fluid: Effort,
     coupling: Effort,
 }
@@ -169,8 +168,7 @@ impl<T: ImmersionPrecision> Immersion<T> {
             placed: vec![[0.0; 3]; vertices],
             free: Vec::new(),
             viscous: ViscousForces::default(),
-            team: Team::alone(),
-            shares: vec![0..vertices],
+            division: Division::alone(),
             fluid: Effort::default(),
             coupling: Effort::default(),
         }
@@ -293,7 +291,7 @@ impl<T: ImmersionPrecision> Immersion<T> {
         (membranes.set_forces(positions, &mut self.forces)).map_err(ImmersionError::Membranes)?;
         let start = Instant::now();
         self.ripples.respond(positions, &self.forces);
-        self.spread(positions)?;
+        self.spread(positions, membranes.are_viscous())?;
         self.coupling.add(start);
         if membranes.are_viscous() {
             self.add_viscous_forces(membranes, positions)?;
@@ -322,17 +320,21 @@ impl<T: ImmersionPrecision> Immersion<T> {
             }
         }
         self.volumes.restore(positions);
-        self.team.gather(positions, &self.shares);
-        self.team.gather(&mut self.moving, &self.shares);
+        self.division.gather(positions);
+        self.division.gather(&mut self.moving);
         Ok(())
     }
 
-    /// Spreads the forces to the fluid.
-    fn spread(&mut self, positions: &[[f64; 3]]) -> Result<(), ImmersionError> {
+    /// Spreads the forces to the fluid; for viscous membranes, each rank needs all vertices.
+    fn spread(&mut self, positions: &[[f64; 3]], viscous: bool) -> Result<(), ImmersionError> {
         for (vertex, &position) in positions.iter().enumerate() {
             self.placed[vertex] = self.on_lattice(position);
         }
-        self.immersed.place(&self.lattice, &self.placed)?;
+        if viscous {
+            self.immersed.place(&self.lattice, &self.placed)?;
+        } else {
+            self.immersed.place_own(&self.lattice, &self.placed)?;
+        }
         self.fill_membranes()?;
         let unit = self.units.force();
         for force in &mut self.forces {
@@ -411,10 +413,14 @@ impl<T: ImmersionPrecision> Immersion<T> {
 
     fn check_speeds(&self) -> Result<(), ImmersionError> {
         let unit = self.units.velocity();
-        let speed = |velocity: &[f64; 3]| velocity.iter().map(|u| u * u).sum::<f64>().sqrt() / unit;
-        let mut speeds = self.velocities.iter().map(speed).enumerate();
-        match speeds.find(|(_, speed)| !(0.0..FASTEST).contains(speed)) {
-            Some((vertex, speed)) => Err(ImmersionError::TooFast { vertex, speed }),
+        let squared = |velocity: &[f64; 3]| velocity.iter().map(|u| u * u).sum::<f64>();
+        let most = (FASTEST * unit).powi(2);
+        let mut squares = self.velocities.iter().map(squared).enumerate();
+        match squares.find(|(_, squared)| !(0.0..most).contains(squared)) {
+            Some((vertex, squared)) => {
+                let speed = squared.sqrt() / unit;
+                Err(ImmersionError::TooFast { vertex, speed })
+            }
             None => Ok(()),
         }
     }

@@ -6,9 +6,8 @@
 use super::{Immersion, ImmersionPrecision};
 use crate::flow::Membranes;
 use crate::flow::lattice_boltzmann::Sides;
-use helfrich_execute::team::Team;
+use helfrich_execute::team::Division;
 use serde::{Deserialize, Serialize};
-use std::ops::Range;
 
 /// What all ranks do next.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
@@ -24,19 +23,15 @@ pub(super) enum Order {
 }
 
 impl<T: ImmersionPrecision> Immersion<T> {
-    /// Shares the work with other ranks, among which the lattice is shared already. Each has the membranes with these
-    /// vertices; only volumes, redistributions and ripples of its own must be set.
-    ///
-    /// # Panics
-    /// If there is not one share for each rank.
-    pub fn share(&mut self, team: Team, shares: Vec<Range<usize>>) {
-        assert_eq!(shares.len(), team.count(), "one share for each rank");
-        (self.team, self.shares) = (team, shares);
+    /// Shares the work with other ranks, among which the lattice is shared already, by the vertices of their membranes. Only
+    /// volumes, redistributions and ripples of this rank's membranes must be set.
+    pub fn share(&mut self, division: Division) {
+        self.division = division;
     }
 
     /// Does what rank 0 needs of another rank, until it is dismissed. Membranes and positions are those of rank 0.
     pub fn assist(&mut self, membranes: &mut dyn Membranes, positions: &mut [[f64; 3]]) {
-        while let Some(message) = self.team.listen() {
+        while let Some(message) = self.division.team().listen() {
             let order = postcard::from_bytes(&message).expect("all ranks run the same program");
             match order {
                 // Rank 0 finds the same error, and reports it.
@@ -53,8 +48,8 @@ impl<T: ImmersionPrecision> Immersion<T> {
 
     /// As rank 0: has the others do the same as this one.
     pub(super) fn order(&self, order: Order) {
-        if !self.team.is_alone() {
-            self.team.call(&postcard::to_stdvec(&order).expect("encodes"));
+        if !self.division.team().is_alone() {
+            self.division.team().call(&postcard::to_stdvec(&order).expect("encodes"));
         }
     }
 
@@ -67,7 +62,7 @@ impl<T: ImmersionPrecision> Immersion<T> {
     /// Sends the state on rank 0 to all.
     pub(super) fn distribute(&mut self, positions: &mut [[f64; 3]]) {
         self.lattice.distribute();
-        self.team.broadcast(&mut self.velocities);
-        self.team.broadcast(positions);
+        self.division.team().broadcast(&mut self.velocities);
+        self.division.team().broadcast(positions);
     }
 }

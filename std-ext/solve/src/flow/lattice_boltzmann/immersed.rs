@@ -37,7 +37,11 @@ pub struct Immersed {
     kernel: Kernel,
     /// The size of the lattice in which the points were placed.
     cells: [usize; 3],
+    /// The first plane of each point.
+    planes: Vec<u32>,
+    /// The nodes of points that matter here, and the numbers of these points.
     stencils: Vec<Stencil>,
+    numbers: Vec<u32>,
     rows: Rows,
     /// The values at the nodes of all parts of rows.
     nodes: Vec<[f64; 3]>,
@@ -53,7 +57,9 @@ impl Immersed {
         Self {
             kernel,
             cells: [0; 3],
+            planes: Vec::new(),
             stencils: Vec::new(),
+            numbers: Vec::new(),
             rows: Rows::default(),
             nodes: Vec::new(),
             responses: Vec::new(),
@@ -63,7 +69,7 @@ impl Immersed {
 
     /// Number of points.
     pub fn count(&self) -> usize {
-        self.stencils.len()
+        self.planes.len()
     }
 
     /// Places the points at positions in lattice units.
@@ -75,40 +81,74 @@ impl Immersed {
         lattice: &Lattice<T>,
         points: &[[f64; 3]],
     ) -> Result<(), LatticeError> {
+        self.place_where(lattice, points, |_| true)
+    }
+
+    /// As [`Self::place`], for [`Self::spread`] and [`Self::interpolate_kept`] only: of several ranks, each then needs only the
+    /// points in its planes.
+    ///
+    /// # Errors
+    /// As [`Self::place`], on all ranks.
+    pub fn place_own<T: Precision>(
+        &mut self,
+        lattice: &Lattice<T>,
+        points: &[[f64; 3]],
+    ) -> Result<(), LatticeError> {
+        let planes = lattice.cells()[2];
+        let own = lattice.own_planes();
+        let last = self.kernel.points() - 1;
+        self.place_where(lattice, points, |first| {
+            own.contains(&first) || own.contains(&((first + last) % planes))
+        })
+    }
+
+    /// Places the points, and finds the nodes of those whose first plane matters.
+    fn place_where<T: Precision>(
+        &mut self,
+        lattice: &Lattice<T>,
+        points: &[[f64; 3]],
+        matters: impl Fn(usize) -> bool,
+    ) -> Result<(), LatticeError> {
         self.cells = lattice.cells();
+        self.planes.clear();
         self.stencils.clear();
+        self.numbers.clear();
         self.responses.clear();
         for (number, &point) in points.iter().enumerate() {
-            match self.stencil(lattice, number, point) {
-                Ok(stencil) => self.stencils.push(stencil),
-                Err(error) => {
-                    self.stencils.clear();
-                    return Err(error);
-                }
+            let found = self.first_nodes(lattice, number, point);
+            let (coordinates, first) = found.inspect_err(|_| {
+                self.planes.clear();
+                self.stencils.clear();
+                self.numbers.clear();
+            })?;
+            self.planes.push(first[2] as u32);
+            if matters(first[2]) {
+                let weights = |axis: usize| self.kernel.weights(point[axis], coordinates[axis]);
+                let weights = std::array::from_fn(weights);
+                self.stencils.push(Stencil { first, weights });
+                self.numbers.push(number as u32);
             }
         }
         Ok(())
     }
 
-    fn stencil<T: Precision>(
+    /// The first nodes of a point along each axis: as they follow from its coordinates, and in the lattice.
+    fn first_nodes<T: Precision>(
         &self,
         lattice: &Lattice<T>,
         point: usize,
         position: [f64; 3],
-    ) -> Result<Stencil, LatticeError> {
+    ) -> Result<([f64; 3], [usize; 3]), LatticeError> {
         let count = self.kernel.points();
-        let mut stencil = Stencil {
-            first: [0; 3],
-            weights: [[0.0; 4]; 3],
-        };
+        let (mut coordinates, mut nodes) = ([0.0; 3], [0; 3]);
         for (axis, coordinate) in position.into_iter().enumerate() {
             let cells = self.cells[axis];
             if !coordinate.is_finite() {
                 return Err(LatticeError::PointNotFinite { point, axis });
             }
-            let (first, weights) = self.kernel.weights(coordinate);
-            stencil.weights[axis] = weights;
-            stencil.first[axis] = if first >= 0.0 && first + count as f64 <= cells as f64 {
+            let first = self.kernel.first(coordinate);
+            coordinates[axis] = first;
+            nodes[axis] = if first >= 0.0 && first + count as f64 <= cells as f64 {
                 first as usize
             } else if lattice.is_periodic(axis) {
                 first.rem_euclid(cells as f64) as usize % cells
@@ -122,7 +162,7 @@ impl Immersed {
                 });
             };
         }
-        Ok(stencil)
+        Ok((coordinates, nodes))
     }
 
     /// Adds the forces that the points exert on the fluid to the forces on nodes.
@@ -164,7 +204,8 @@ impl Immersed {
         mut slab: ForceSlab<'_, T>,
         forces: &[[f64; 3]],
     ) {
-        for (stencil, force) in self.stencils.iter().zip(forces) {
+        for (stencil, &number) in self.stencils.iter().zip(&self.numbers) {
+            let force = forces[number as usize];
             let [x, y, z] = stencil.nodes::<POINTS>(self.cells);
             let [across_x, across_y, across_z] = stencil.weights;
             for (z, across_z) in z.into_iter().zip(across_z) {
@@ -200,7 +241,7 @@ impl Immersed {
     /// result.
     ///
     /// # Panics
-    /// If there is not one velocity per point, or they were placed in a lattice of another size.
+    /// If there is not one velocity per point, or they were not [placed](Self::place) in a lattice of this size.
     pub fn interpolate<T: Precision>(
         &mut self,
         lattice: &mut Lattice<T>,
@@ -208,6 +249,7 @@ impl Immersed {
     ) {
         assert_eq!(velocities.len(), self.count(), "one velocity a point");
         self.assert_size(lattice);
+        assert_eq!(self.stencils.len(), self.count(), "all points are placed");
         lattice.prepare_reading();
         self.rows.cover(self.cells, self.kernel, &self.stencils);
         let threads = self.threads(lattice);
@@ -292,7 +334,7 @@ impl Immersed {
         assert_eq!(velocities.len(), self.count(), "one velocity a point");
         self.assert_size(lattice);
         let Some(kept) = lattice.kept_velocities() else {
-            assert!(self.stencils.is_empty(), "no step has kept velocities");
+            assert!(self.planes.is_empty(), "no step has kept velocities");
             return;
         };
         let threads = self.threads(lattice);
@@ -317,10 +359,10 @@ impl Immersed {
         velocities: &mut [[f64; 3]],
     ) {
         let mut points = std::mem::take(&mut self.points);
-        points.divide(lattice, self.kernel, &self.stencils);
+        points.divide(lattice, self.kernel, &self.planes, &self.numbers);
         let planes = lattice.own_planes();
-        let sum = |numbers: &[u32], sums: &mut [[f64; 3]]| {
-            let stencils = numbers.iter().map(|&number| self.stencils[number as usize]);
+        let sum = |places: &[u32], sums: &mut [[f64; 3]]| {
+            let stencils = places.iter().map(|&place| self.stencils[place as usize]);
             let stencils = Vec::from_iter(stencils);
             share_points(threads, sums, &stencils, |stencils, sums| {
                 self.add_kept(kept, &planes, stencils, sums);
@@ -328,19 +370,19 @@ impl Immersed {
         };
         let mut begun = vec![[0.0; 3]; points.leaving.len()];
         sum(&points.leaving, &mut begun);
-        let mut coming = vec![[0.0; 3]; points.coming.len()];
+        let coming = points.come.iter().filter(|come| **come).count();
+        let mut coming = vec![[0.0; 3]; coming];
         lattice.pass_on(&begun, &mut coming);
         let mut coming = coming.into_iter();
-        let own = points.own(lattice.rank());
-        let mut sums = Vec::from_iter(points.order[own.clone()].iter().map(|number| {
-            match points.coming.binary_search(number) {
-                Ok(_) => coming.next().unwrap_or_default(),
-                Err(_) => [0.0; 3],
-            }
-        }));
-        sum(&points.order[own.clone()], &mut sums);
+        let begun = points.come.iter().map(|come| match come {
+            true => coming.next().unwrap_or_default(),
+            false => [0.0; 3],
+        });
         points.found.resize(velocities.len(), [0.0; 3]);
-        points.found[own].copy_from_slice(&sums);
+        let own = points.parts[lattice.rank()].clone();
+        let sums = &mut points.found[own];
+        sums.iter_mut().zip(begun).for_each(|(sum, begun)| *sum = begun);
+        sum(&points.own, sums);
         lattice.gather(&mut points.found, &points.parts);
         for (&number, found) in points.order.iter().zip(&points.found) {
             velocities[number as usize] = *found;
@@ -413,7 +455,7 @@ impl Immersed {
     fn assert_size<T: Precision>(&self, lattice: &Lattice<T>) {
         // Without points there is no lattice to compare with.
         assert!(
-            self.stencils.is_empty() || self.cells == lattice.cells(),
+            self.planes.is_empty() || self.cells == lattice.cells(),
             "the points were placed in a lattice of {:?} nodes, not of {:?}",
             self.cells,
             lattice.cells()

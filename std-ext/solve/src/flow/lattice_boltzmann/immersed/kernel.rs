@@ -48,30 +48,36 @@ impl Kernel {
         }
     }
 
-    /// The first node that a coordinate reaches, and [`Self::weight`] there and at those that follow:
-    /// one square root serves all of them.
-    pub(super) fn weights(self, coordinate: f64) -> (f64, [f64; 4]) {
+    /// The first node that a coordinate reaches.
+    pub(super) fn first(self, coordinate: f64) -> f64 {
+        match self {
+            Self::Two => (coordinate - 0.5).floor(),
+            Self::Three => coordinate.floor() - 1.0,
+            Self::Four => (coordinate - 0.5).floor() - 1.0,
+        }
+    }
+
+    /// [`Self::weight`] at the first node that a coordinate reaches, and at those that follow: one square root serves all
+    /// of them.
+    pub(super) fn weights(self, coordinate: f64, first: f64) -> [f64; 4] {
         match self {
             Self::Two => {
-                let first = (coordinate - 0.5).floor();
                 let r = coordinate - 0.5 - first;
-                (first, [1.0 - r, r, 0.0, 0.0])
+                [1.0 - r, r, 0.0, 0.0]
             }
             Self::Three => {
-                let middle = coordinate.floor();
-                let r = coordinate - 0.5 - middle;
+                let r = coordinate - 0.5 - (first + 1.0);
                 let root = (1.0 - 3.0 * r * r).sqrt();
                 let [before, after] = [-r, r].map(|r| (2.0 + 3.0 * r - root) / 6.0);
-                (middle - 1.0, [before, (1.0 + root) / 3.0, after, 0.0])
+                [before, (1.0 + root) / 3.0, after, 0.0]
             }
             Self::Four => {
-                let before = (coordinate - 0.5).floor();
-                let r = coordinate - 0.5 - before;
+                let r = coordinate - 0.5 - (first + 1.0);
                 let root = (1.0 + 4.0 * r * (1.0 - r)).sqrt();
                 let [far, near] = [-root, root].map(|root| (3.0 - 2.0 * r + root) / 8.0);
                 let [after_near, after_far] =
                     [root, -root].map(|root| (1.0 + 2.0 * r + root) / 8.0);
-                (before - 1.0, [far, near, after_near, after_far])
+                [far, near, after_near, after_far]
             }
         }
     }
@@ -110,7 +116,8 @@ mod tests {
         for kernel in [Kernel::Two, Kernel::Three, Kernel::Four] {
             for step in -40..=40 {
                 let coordinate = 0.025 * f64::from(step);
-                let (first, weights) = kernel.weights(coordinate);
+                let first = kernel.first(coordinate);
+                let weights = kernel.weights(coordinate, first);
                 for (k, found) in weights.into_iter().enumerate() {
                     let expected = match k < kernel.points() {
                         true => kernel.weight(coordinate - 0.5 - (first + k as f64)),
