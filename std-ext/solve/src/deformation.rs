@@ -129,31 +129,31 @@ impl Deformation {
         }
         let positions = surface.positions();
         let corner = |vertex: u32| DVec3::from(positions[vertex as usize]);
-        // Differences from a nearby point keep the digits of bodies far from the origin.
+        // Differences from a nearby point keep the digits of bodies far from the origin. Of the tetrahedra with this corner
+        // and triangles: the volume V, ∫ x dV = V/4 s with the sum s of the corners, and ∫ x xᵀ dV = V/20 (s sᵀ plus the sum of
+        // the corners' own squares).
         let first = corner(surface.mesh().triangles()[0][0]);
-        let tetrahedra = |origin: DVec3| {
-            let triangles = surface.mesh().triangles().iter();
-            triangles.map(move |&[a, b, c]| {
-                let corners = [a, b, c].map(|vertex| corner(vertex) - origin);
-                (corners[0].dot(corners[1].cross(corners[2])) / 6.0, corners)
-            })
-        };
-        let volume: f64 = tetrahedra(first).map(|(volume, _)| volume).sum();
+        let next = |x: DVec3| DVec3::new(x.y, x.z, x.x);
+        let (mut volume, mut centre) = (0.0, DVec3::ZERO);
+        // xx, yy and zz; xy, yz and zx.
+        let [mut squares, mut products] = [DVec3::ZERO; 2];
+        for triangle in surface.mesh().triangles() {
+            let [a, b, c] = triangle.map(|vertex| corner(vertex) - first);
+            let part = a.dot(b.cross(c)) / 6.0;
+            let sum = a + b + c;
+            volume += part;
+            centre += part * sum;
+            squares += part * (sum * sum + a * a + b * b + c * c);
+            products += part * (sum * next(sum) + a * next(a) + b * next(b) + c * next(c));
+        }
         if volume == 0.0 || !volume.is_finite() {
             return None;
         }
-        // For each tetrahedron, ∫ x dV is V/4 times the sum s of its corners, of which one is the
-        // origin,
-        let moment = |(volume, [a, b, c]): (f64, [DVec3; 3])| volume / 4.0 * (a + b + c);
-        let centroid = first + tetrahedra(first).map(moment).sum::<DVec3>() / volume;
-        // and ∫ x xᵀ dV is V/20 times (s sᵀ plus the sum of the corners' own squares).
-        let mut moments = DMat3::ZERO;
-        for (part, [a, b, c]) in tetrahedra(centroid) {
-            let squares = [a + b + c, a, b, c].map(|v| DMat3::from_cols(v.x * v, v.y * v, v.z * v));
-            let [sum, a, b, c] = squares;
-            moments += part / (20.0 * volume) * (sum + a + b + c);
-        }
-        let second_moments = moments.to_cols_array_2d();
+        let centre = centre / (4.0 * volume);
+        let centroid = first + centre;
+        let [xx, yy, zz] = (squares / (20.0 * volume) - centre * centre).to_array();
+        let [xy, yz, zx] = (products / (20.0 * volume) - centre * next(centre)).to_array();
+        let second_moments = [[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]];
         let (values, directions) = principal(second_moments);
         Some(Self {
             volume,

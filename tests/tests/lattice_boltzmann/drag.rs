@@ -155,7 +155,7 @@ fn pushed_by_points(edge: usize, radius: f64, kernel: Kernel) -> [f64; 2] {
     lattice.set_force([back, 0.0, 0.0]).unwrap();
     lattice.advance(settling_steps(edge));
     let mut velocities = vec![[0.0; 3]; count];
-    immersed.interpolate(&lattice, &mut velocities);
+    immersed.interpolate(&mut lattice, &mut velocities);
     let sum: f64 = velocities.iter().map(|velocity| velocity[0]).sum();
     [sum / count as f64, force]
 }

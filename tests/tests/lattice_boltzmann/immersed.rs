@@ -151,7 +151,7 @@ fn linear_flows_are_interpolated_exactly() {
                 let mut immersed = Immersed::new(kernel);
                 let mut velocities = vec![[f64::NAN; 3]; points.len()];
                 immersed.place(&lattice, &points).unwrap();
-                immersed.interpolate(&lattice, &mut velocities);
+                immersed.interpolate(&mut lattice, &mut velocities);
                 for (found, &point) in velocities.iter().zip(&points) {
                     for (&found, expected) in found.iter().zip(flow(point)) {
                         tolerance::LATTICE_KERNEL.assert(found, expected, 0.05, "velocity");
@@ -176,11 +176,11 @@ fn points_do_not_know_of_each_other() {
         let mut immersed = Immersed::new(kernel);
         let mut together = vec![[0.0; 3]; points.len()];
         immersed.place(&lattice, &points).unwrap();
-        immersed.interpolate(&lattice, &mut together);
+        immersed.interpolate(&mut lattice, &mut together);
         for (point, expected) in points.iter().zip(together) {
             let mut alone = [[0.0; 3]];
             immersed.place(&lattice, &[*point]).unwrap();
-            immersed.interpolate(&lattice, &mut alone);
+            immersed.interpolate(&mut lattice, &mut alone);
             assert_eq!(alone, [expected], "{kernel:?} at {point:?}");
         }
     }
@@ -209,7 +209,7 @@ fn collisions_keep_velocities() {
             lattice.clear_forces();
             immersed.spread(&mut lattice, forces).unwrap();
             let mut read = vec![[0.0; 3]; points.len()];
-            immersed.interpolate(&lattice, &mut read);
+            immersed.interpolate(&mut lattice, &mut read);
             let mut plain = lattice.clone();
             plain.advance(1);
             lattice.advance_keeping_velocities();
@@ -262,7 +262,7 @@ fn work_on_points_is_work_on_nodes() {
         let mut immersed = Immersed::new(kernel);
         immersed.place(&lattice, &points).unwrap();
         let mut velocities = vec![[0.0; 3]; points.len()];
-        immersed.interpolate(&lattice, &mut velocities);
+        immersed.interpolate(&mut lattice, &mut velocities);
         let at_points: f64 = velocities
             .iter()
             .zip(&forces)
@@ -307,11 +307,11 @@ fn responses_are_those_of_spread_forces() {
         immersed.place(&lattice, &points).unwrap();
         let [mut before, mut after, mut added, mut other] =
             [(); 4].map(|()| vec![[f64::NAN; 3]; points.len()]);
-        immersed.interpolate(&lattice, &mut before);
+        immersed.interpolate(&mut lattice, &mut before);
         immersed.respond(&lattice, &first, &mut added);
         immersed.respond(&lattice, &second, &mut other);
         immersed.spread(&mut lattice, &first).unwrap();
-        immersed.interpolate(&lattice, &mut after);
+        immersed.interpolate(&mut lattice, &mut after);
         for point in 0..points.len() {
             for axis in 0..3 {
                 let expected = after[point][axis] - before[point][axis];
@@ -328,10 +328,10 @@ fn responses_are_those_of_spread_forces() {
 #[test]
 #[should_panic(expected = "velocities are interpolated before forces are added")]
 fn responses_of_nodes_that_were_not_read_are_not_made_up() {
-    let lattice = lattice::<f64>(periodic([8, 8, 8], 0.1));
+    let mut lattice = lattice::<f64>(periodic([8, 8, 8], 0.1));
     let mut immersed = Immersed::new(Kernel::Two);
     immersed.place(&lattice, &[[4.0; 3]]).unwrap();
-    immersed.interpolate(&lattice, &mut [[0.0; 3]]);
+    immersed.interpolate(&mut lattice, &mut [[0.0; 3]]);
     immersed.place(&lattice, &[[5.0; 3]]).unwrap();
     immersed.respond(&lattice, &[[1.0; 3]], &mut [[0.0; 3]]);
 }
@@ -357,7 +357,7 @@ fn points_and_forces_do_not_depend_on_the_number_of_threads() {
                     .map(|&[x, y, z]| [3e-5 * y, 6e-6 * z, -3e-6 * x]),
             );
             immersed.spread(&mut lattice, &forces).unwrap();
-            immersed.interpolate(&lattice, &mut read);
+            immersed.interpolate(&mut lattice, &mut read);
             lattice.advance_keeping_velocities();
             immersed.interpolate_kept(&lattice, &mut velocities);
             for (point, velocity) in points.iter_mut().zip(&velocities) {
@@ -395,7 +395,7 @@ fn point_forces_feel_their_images() {
             immersed.spread(&mut lattice, &[[force, 0.0, 0.0]]).unwrap();
             lattice.advance((edge * edge) as u64);
             let mut velocity = [[0.0; 3]];
-            immersed.interpolate(&lattice, &mut velocity);
+            immersed.interpolate(&mut lattice, &mut velocity);
             velocity[0][0] / force
         };
         let spread: f64 = (-3..=3)

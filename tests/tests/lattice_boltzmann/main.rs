@@ -6,6 +6,7 @@ mod flows;
 mod immersed;
 mod inside;
 mod momentum;
+mod ranks;
 mod reading;
 mod refused;
 mod staggered;

@@ -311,7 +311,8 @@ impl<T: ImmersionPrecision> Immersion<T> {
         } else {
             self.sliding.clone_from(&self.moving);
             self.redistribution.slide(positions, &mut self.sliding);
-            self.volumes.correct(positions, &mut self.sliding);
+            let slides = |vertices: &Range<usize>| self.redistribution.moves(vertices);
+            (self.volumes).correct_some(&slides, positions, &mut self.sliding);
             &self.sliding
         };
         for (position, velocity) in positions.iter_mut().zip(velocities) {

@@ -101,6 +101,13 @@ impl Redistribution {
         self.sliding.is_empty()
     }
 
+    /// Whether the mesh with these vertices is a fluid membrane.
+    pub(super) fn moves(&self, vertices: &Range<usize>) -> bool {
+        let start = |sliding: &Sliding| sliding.vertices.start;
+        let found = (self.sliding).binary_search_by(|sliding| start(sliding).cmp(&vertices.start));
+        found.is_ok()
+    }
+
     /// The relative error of velocities after [`Self::slide`].
     pub fn precision(&self) -> f64 {
         if self.is_empty() {

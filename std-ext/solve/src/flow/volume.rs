@@ -70,15 +70,17 @@ impl KeptVolumes {
         }
     }
 
-    /// Does `work` for each of these volumes, with its positions and its part of some vectors.
+    /// Does `work` for the volumes that are `chosen` by their vertices, each with its part of some vectors.
     fn each(
         &mut self,
+        chosen: &dyn Fn(&Range<usize>) -> bool,
         vectors: &mut [[f64; 3]],
         work: impl Fn(&mut KeptVolume, &mut [[f64; 3]]) + Sync,
     ) {
         let mut rest = vectors;
         let mut first = 0;
-        let parts = self.volumes.iter_mut().map(|volume| {
+        let volumes = self.volumes.iter_mut();
+        let parts = volumes.filter(|volume| chosen(&volume.vertices)).map(|volume| {
             let Range { start, end } = volume.vertices;
             let (_, after) = std::mem::take(&mut rest).split_at_mut(start - first);
             let (own, after) = after.split_at_mut(end - start);
@@ -93,7 +95,20 @@ impl KeptVolumes {
     /// # Panics
     /// If there is not one position and one velocity per vertex.
     pub fn correct(&mut self, positions: &[[f64; 3]], velocities: &mut [[f64; 3]]) {
-        self.each(velocities, |volume, velocities| {
+        self.correct_some(&|_| true, positions, velocities);
+    }
+
+    /// As [`Self::correct`], of the membranes that are `chosen` by their vertices alone.
+    ///
+    /// # Panics
+    /// As there.
+    pub(super) fn correct_some(
+        &mut self,
+        chosen: &dyn Fn(&Range<usize>) -> bool,
+        positions: &[[f64; 3]],
+        velocities: &mut [[f64; 3]],
+    ) {
+        self.each(chosen, velocities, |volume, velocities| {
             volume.correct(&positions[volume.vertices.clone()], velocities);
         });
     }
@@ -105,7 +120,7 @@ impl KeptVolumes {
     /// # Panics
     /// If there is not one position and one force per vertex.
     pub fn balance(&mut self, positions: &[[f64; 3]], forces: &mut [[f64; 3]]) {
-        self.each(forces, |volume, forces| {
+        self.each(&|_| true, forces, |volume, forces| {
             volume.balance(&positions[volume.vertices.clone()], forces);
         });
     }
@@ -116,7 +131,7 @@ impl KeptVolumes {
     /// # Panics
     /// If there is not one position per vertex.
     pub fn restore(&mut self, positions: &mut [[f64; 3]]) {
-        self.each(positions, |volume, positions| {
+        self.each(&|_| true, positions, |volume, positions| {
             let _ = volume.held.restore(positions);
         });
     }

@@ -10,6 +10,7 @@ mod parting;
 mod pictures;
 mod plots;
 mod population;
+mod ranks;
 mod remeshing;
 mod rheology;
 mod series;

@@ -72,6 +72,45 @@ proptest! {
     }
 }
 
+proptest! {
+    #![proptest_config(cases(16))]
+
+    /// Forces on some surfaces have the bits that they have among the forces on all.
+    #[test]
+    fn forces_on_some_surfaces_are_those_among_all(
+        seed in 0..1_000_000_u64,
+        count in 2..5_usize,
+        range in 0.1..0.6,
+        parts: bool,
+        own: bool,
+        wanted in prop::collection::vec(any::<bool>(), 4),
+        period in prop::sample::select(vec![0.0, 1.5, 4.0]),
+    ) {
+        let repulsion = Repulsion {
+            parts,
+            images: Images { periods: [period, 0.0, 0.5 * period], own },
+            ..free(3.0, range)
+        };
+        let meshes = crowd(seed, count);
+        let mut all = positions(&meshes);
+        let mut motion = Motion { random: SplitMix64::new(seed), size: 1e-3, rough: 0.3 };
+        let mut limited = RepulsionMemory::default();
+        limited.limit_to(Some(&wanted[..count]));
+        for step in 0..3 {
+            let (_, found) = evaluate_with(&mut limited, repulsion, &meshes, &all);
+            let (_, expected) = evaluate(repulsion, &meshes, &all);
+            for surface in (0..count).filter(|&surface| wanted[surface]) {
+                let same = found[surface] == expected[surface];
+                prop_assert!(same, "step {}, surface {}", step, surface);
+            }
+            motion.step(&mut all);
+        }
+        limited.limit_to(None);
+        let same = evaluate_with(&mut limited, repulsion, &meshes, &all) == evaluate(repulsion, &meshes, &all);
+        prop_assert!(same, "again all");
+    }
+}
+
 /// Two spheres that nearly touch.
 fn pair() -> [Mesh; 2] {
     let turn = rotation(GENERIC);

@@ -239,9 +239,6 @@ impl<T: Precision> Links<T> {
                 for (slot, back) in link.slots.into_iter().zip(back) {
                     populations[slot] = back;
                 }
-                if *place == Place::Upper {
-                    continue;
-                }
                 let met = link.met.map(usize::from);
                 for (axis, &step) in VELOCITIES[usize::from(link.direction)].iter().enumerate() {
                     forces[met[0]][axis] += f64::from(step) * given[0];
