@@ -44,11 +44,7 @@ const VARIABLE: &str = "HELFRICH_MPI";
 
 /// Variables by which launchers tell a process how many there are: those of MPICH and its relatives, of Open MPI, and of
 /// Slurm.
-const SIZES: [&str; 3] = [
-    "PMI_SIZE",
-    "OMPI_COMM_WORLD_SIZE",
-    "SLURM_STEP_NUM_TASKS",
-];
+const SIZES: [&str; 3] = ["PMI_SIZE", "OMPI_COMM_WORLD_SIZE", "SLURM_STEP_NUM_TASKS"];
 
 /// Reason why the processes of a run cannot find each other.
 #[derive(Debug, thiserror::Error)]
@@ -93,7 +89,9 @@ pub fn team() -> Result<Team, MpiError> {
 
 /// The number of processes, by what their launcher says.
 fn started() -> usize {
-    let sizes = SIZES.iter().filter_map(|name| env::var(name).ok()?.parse().ok());
+    let sizes = SIZES
+        .iter()
+        .filter_map(|name| env::var(name).ok()?.parse().ok());
     sizes.max().unwrap_or(1)
 }
 
@@ -194,7 +192,12 @@ fn find() -> Result<Library, String> {
     let named = env::var_os(VARIABLE).map(PathBuf::from);
     let usual = LIBRARIES.iter().map(PathBuf::from);
     let beside = launchers().into_iter().filter_map(|launcher| {
-        let folder = launcher.canonicalize().ok()?.parent()?.parent()?.join("lib");
+        let folder = launcher
+            .canonicalize()
+            .ok()?
+            .parent()?
+            .parent()?
+            .join("lib");
         Some(LIBRARIES.iter().map(move |name| folder.join(name)))
     });
     let mut last = String::new();
@@ -203,7 +206,9 @@ fn find() -> Result<Library, String> {
         match unsafe { Library::new(&path) } {
             Ok(library) => return Ok(library),
             Err(error) => {
-                let reason = error.source().map_or(error.to_string(), ToString::to_string);
+                let reason = error
+                    .source()
+                    .map_or(error.to_string(), ToString::to_string);
                 last = format!("{}: {reason}", path.display());
             }
         }
@@ -240,7 +245,16 @@ impl Ranks for Mpi {
         let sent = self.function::<Send>(b"MPI_Send_c\0").map(|send| {
             let (data, count) = (bytes.as_ptr().cast(), length(bytes));
             // SAFETY: the pointer and the length are those of a slice, which outlives the call.
-            unsafe { send(data, count, BYTE as Handle, to as c_int, TAG, WORLD as Handle) }
+            unsafe {
+                send(
+                    data,
+                    count,
+                    BYTE as Handle,
+                    to as c_int,
+                    TAG,
+                    WORLD as Handle,
+                )
+            }
         });
         self.must("MPI_Send_c", sent);
     }
@@ -256,25 +270,27 @@ impl Ranks for Mpi {
     }
 
     fn exchange(&self, to: usize, sent: &[u8], from: usize, received: &mut [u8]) {
-        let done = self.function::<SendReceive>(b"MPI_Sendrecv_c\0").map(|exchange| {
-            // SAFETY: pointers and lengths are those of two slices, one of which nobody else uses.
-            unsafe {
-                exchange(
-                    sent.as_ptr().cast(),
-                    length(sent),
-                    BYTE as Handle,
-                    to as c_int,
-                    TAG,
-                    received.as_mut_ptr().cast(),
-                    length(received),
-                    BYTE as Handle,
-                    from as c_int,
-                    TAG,
-                    WORLD as Handle,
-                    null_mut(),
-                )
-            }
-        });
+        let done = self
+            .function::<SendReceive>(b"MPI_Sendrecv_c\0")
+            .map(|exchange| {
+                // SAFETY: pointers and lengths are those of two slices, one of which nobody else uses.
+                unsafe {
+                    exchange(
+                        sent.as_ptr().cast(),
+                        length(sent),
+                        BYTE as Handle,
+                        to as c_int,
+                        TAG,
+                        received.as_mut_ptr().cast(),
+                        length(received),
+                        BYTE as Handle,
+                        from as c_int,
+                        TAG,
+                        WORLD as Handle,
+                        null_mut(),
+                    )
+                }
+            });
         self.must("MPI_Sendrecv_c", done);
     }
 }

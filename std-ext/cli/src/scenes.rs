@@ -2,9 +2,9 @@
 
 use crate::terminal::{Failure, ProgressBar, interruption, print, save, say};
 use crate::{ThreadArguments, threads};
+use helfrich_std::execute::available_threads;
 use helfrich_std::info::MeshInfo;
 use helfrich_std::report;
-use helfrich_std::execute::available_threads;
 use helfrich_std::run::{End, assist, check, run};
 use helfrich_std::scene::{Overrides, SHIPPED, Scene, SceneFile, ShippedScene, shipped_files};
 use helfrich_std::simulation::{Simulation, build};
@@ -139,7 +139,10 @@ pub(crate) fn run_scene(arguments: &RunArguments) -> Result<(), Failure> {
         }
         if !team.is_alone() {
             let threads = available_threads();
-            say(format_args!("{} ranks with {threads} threads each", team.count()));
+            say(format_args!(
+                "{} ranks with {threads} threads each",
+                team.count()
+            ));
         }
         let result = run_alone(arguments, &team);
         team.dismiss();

@@ -3,7 +3,8 @@
 //! Rank 0 runs the program, and [calls](Team::call) the others for parts of the work that they do together; they
 //! [listen](Team::listen) until it dismisses them. No result depends on the number of ranks.
 
-use bytemuck::Pod;
+/// Numbers that are sent as their bytes.
+pub use bytemuck::Pod;
 use std::fmt::Debug;
 use std::ops::Range;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -102,7 +103,10 @@ impl Team {
 
     /// Sends numbers to one rank and receives numbers from one.
     pub fn exchange<N: Pod>(&self, to: usize, sent: &[N], from: usize, received: &mut [N]) {
-        let (sent, received) = (bytemuck::cast_slice(sent), bytemuck::cast_slice_mut(received));
+        let (sent, received) = (
+            bytemuck::cast_slice(sent),
+            bytemuck::cast_slice_mut(received),
+        );
         self.expect().exchange(to, sent, from, received);
     }
 

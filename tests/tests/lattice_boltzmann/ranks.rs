@@ -46,7 +46,9 @@ fn points(case: Case) -> Vec<[f64; 3]> {
     let mut points = scattered(60, case.size);
     if let Some(axis) = case.walls {
         let end = case.size[axis] as f64 - 2.0;
-        points.iter_mut().for_each(|point| point[axis] = point[axis].clamp(2.0, end));
+        points
+            .iter_mut()
+            .for_each(|point| point[axis] = point[axis].clamp(2.0, end));
     }
     points
 }
@@ -70,8 +72,9 @@ fn advanced<T: Precision>(case: Case, team: Team, backwards: bool) -> Known<T> {
     }
     let (mesh, positions) = place(sphere(2.6, [6.0, 4.5, 0.4]));
     let mut immersed = Immersed::new(case.kernel);
-    let (mut points, mut forces): (Vec<_>, Vec<_>) =
-        (points(case).into_iter().enumerate()).map(|(number, point)| (point, force(number))).unzip();
+    let (mut points, mut forces): (Vec<_>, Vec<_>) = (points(case).into_iter().enumerate())
+        .map(|(number, point)| (point, force(number)))
+        .unzip();
     if backwards {
         points.reverse();
         forces.reverse();
@@ -128,8 +131,18 @@ fn kernels() -> impl Strategy<Value = Kernel> {
 fn check<T: Precision>(case: Case, ranks: usize) -> Result<(), TestCaseError> {
     let expected = advanced::<T>(case, Team::alone(), false);
     let found = shared::<T>(case, ranks);
-    let Known { state, velocities, read, forces, layers } = &found;
-    prop_assert!(forces == &expected.forces, "forces {forces:?}, alone {:?}", expected.forces);
+    let Known {
+        state,
+        velocities,
+        read,
+        forces,
+        layers,
+    } = &found;
+    prop_assert!(
+        forces == &expected.forces,
+        "forces {forces:?}, alone {:?}",
+        expected.forces
+    );
     prop_assert!(velocities == &expected.velocities, "kept velocities");
     prop_assert!(read == &expected.read, "velocities that were read");
     prop_assert!(layers == &expected.layers, "layers");

@@ -309,7 +309,8 @@ impl<T: Real> Neighbours<T> {
             for k in 0..slots.len() {
                 let face = slots[k] as usize;
                 let both = [place[0] as usize, found[face][0] as usize];
-                if act(repulsion, only.as_deref(), both) && near.is_near(&vertex, &near_faces[face]) {
+                if act(repulsion, only.as_deref(), both) && near.is_near(&vertex, &near_faces[face])
+                {
                     slots[kept] = slots[k];
                     kept += 1;
                 }

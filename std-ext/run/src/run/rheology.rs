@@ -155,12 +155,7 @@ impl Rheometer {
     }
 
     /// The profiles at this strain or time; `None` before the first step.
-    fn profile(
-        &self,
-        at: f64,
-        drive: &mut dyn Drive,
-        simulation: &Simulation,
-    ) -> Option<Profile> {
+    fn profile(&self, at: f64, drive: &mut dyn Drive, simulation: &Simulation) -> Option<Profile> {
         let heights = self.heights();
         let sheared = drive.sheared()?;
         let mut share = vec![0.0; self.settings.profiles];

@@ -58,7 +58,10 @@ pub(super) fn drive<'a>(
 /// Refuses what only one rank can do.
 pub(super) fn refuse_ranks(scene: &Scene, simulation: &Simulation) -> Result<(), RunError> {
     let ranks = simulation.division().team().count();
-    let replaced = scene.surfaces.iter().find(|surface| surface.remesh.is_some());
+    let replaced = scene
+        .surfaces
+        .iter()
+        .find(|surface| surface.remesh.is_some());
     match (ranks, scene.driver, replaced) {
         (1, ..) | (_, Driver::LatticeBoltzmann(_), None) => Ok(()),
         (_, Driver::LatticeBoltzmann(_), Some(surface)) => Err(RunError::RemeshingOnRanks {
@@ -82,7 +85,9 @@ pub(super) fn assist(
         return Ok(());
     };
     match driver.precision {
-        Scalar::F32 | Scalar::F32Pair => Immersing::<f32>::assist(scene, driver, simulation, positions),
+        Scalar::F32 | Scalar::F32Pair => {
+            Immersing::<f32>::assist(scene, driver, simulation, positions)
+        }
         Scalar::F64 => Immersing::<f64>::assist(scene, driver, simulation, positions),
     }
 }

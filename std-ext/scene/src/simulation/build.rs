@@ -17,11 +17,11 @@ use crate::scene::{
 };
 use helfrich::interaction::RepulsionMemory;
 use helfrich::shapes::Shape;
-use helfrich_execute::team::Division;
 use helfrich::{
     AnyFunctional, Constraint, ConstraintError, Constraints, Images, Repulsion, Surface,
     TriangleMesh,
 };
+use helfrich_execute::team::Division;
 use std::ops::Range;
 use std::sync::Arc;
 use std::time::Duration;

@@ -71,7 +71,9 @@ impl Problem for Simulation {
     fn evaluate(&mut self, positions: &[[f64; 3]], force: &mut [[f64; 3]]) -> Evaluation {
         let mut evaluation = self.evaluate_bodies(&[], positions, force);
         match self.add_between(&[], positions, force) {
-            Some(energies) => energies.into_iter().for_each(|energy| add(&mut evaluation, energy)),
+            Some(energies) => energies
+                .into_iter()
+                .for_each(|energy| add(&mut evaluation, energy)),
             None => return Evaluation::new(f64::NAN),
         }
         evaluation
@@ -164,13 +166,21 @@ impl Simulation {
         force: &mut [[f64; 3]],
     ) -> Evaluation {
         checked::clear(force);
-        each_body(&mut self.acting, &mut self.bodies, only, force, |body, force| {
-            body.evaluate(positions, force);
-        });
+        each_body(
+            &mut self.acting,
+            &mut self.bodies,
+            only,
+            force,
+            |body, force| {
+                body.evaluate(positions, force);
+            },
+        );
         let mut evaluation = Evaluation::default();
         for body in chosen(&mut self.bodies, only) {
             match &body.energies {
-                Some(energies) => energies.iter().for_each(|&energy| add(&mut evaluation, energy)),
+                Some(energies) => energies
+                    .iter()
+                    .for_each(|&energy| add(&mut evaluation, energy)),
                 None => return Evaluation::new(f64::NAN),
             }
         }
@@ -187,7 +197,8 @@ impl Simulation {
     ) -> Option<Vec<f64>> {
         let between = self.between.iter_mut().map(|between| {
             let start = Instant::now();
-            let energy = between.add_force(&self.bodies, only, &self.obstacles, positions, force)?;
+            let energy =
+                between.add_force(&self.bodies, only, &self.obstacles, positions, force)?;
             between.time += start.elapsed();
             between.evaluations += 1;
             Some(energy)

@@ -12,12 +12,12 @@ use super::lattice_boltzmann::{
 use super::{Effort, Fluid, KeptVolumes, Membranes, Redistribution};
 use helfrich::{Surface, TriangleMesh};
 use helfrich_execute::team::Division;
+use ranks::Order;
 use serde::{Deserialize, Serialize};
 use std::array;
 use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
-use ranks::Order;
 use viscous::ViscousForces;
 
 /// Membranes immersed in the fluid of a lattice. Vertices spread their forces over the nodes around them

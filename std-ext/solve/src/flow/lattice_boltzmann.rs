@@ -142,7 +142,9 @@ impl<T: Precision> Lattice<T> {
         let no_memory = |_| LatticeError::NoMemory {
             bytes: layout.slots() * size_of::<T>(),
         };
-        Vec::<T>::new().try_reserve_exact(layout.slots()).map_err(no_memory)?;
+        Vec::<T>::new()
+            .try_reserve_exact(layout.slots())
+            .map_err(no_memory)?;
         Ok(Self {
             links: Links::new(&layout, &parts, &setup.sides, None),
             state: State {

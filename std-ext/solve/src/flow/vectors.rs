@@ -1,7 +1,7 @@
 //! Single and double precision as pulp's vectors, behind one name.
 
-use bytemuck::Pod;
 use helfrich::Real;
+use helfrich_execute::team::Pod;
 use pulp::Simd;
 use std::ops::{Add, Div, Mul, Sub};
 

@@ -80,13 +80,15 @@ impl KeptVolumes {
         let mut rest = vectors;
         let mut first = 0;
         let volumes = self.volumes.iter_mut();
-        let parts = volumes.filter(|volume| chosen(&volume.vertices)).map(|volume| {
-            let Range { start, end } = volume.vertices;
-            let (_, after) = std::mem::take(&mut rest).split_at_mut(start - first);
-            let (own, after) = after.split_at_mut(end - start);
-            (rest, first) = (after, end);
-            (end - start, (volume, own))
-        });
+        let parts = volumes
+            .filter(|volume| chosen(&volume.vertices))
+            .map(|volume| {
+                let Range { start, end } = volume.vertices;
+                let (_, after) = std::mem::take(&mut rest).split_at_mut(start - first);
+                let (own, after) = after.split_at_mut(end - start);
+                (rest, first) = (after, end);
+                (end - start, (volume, own))
+            });
         self.shares.each(parts, |(volume, own)| work(volume, own));
     }
 

@@ -179,13 +179,22 @@ fn refusal(text: &str, ranks: usize) -> String {
 #[test]
 fn what_ranks_cannot_share_is_refused() {
     let too_many = refusal(&everything("elastic"), 7);
-    assert!(too_many.contains("7 ranks cannot share 18 planes"), "{too_many}");
+    assert!(
+        too_many.contains("7 ranks cannot share 18 planes"),
+        "{too_many}"
+    );
     let relaxation = "units = \"none\"\n[[surface]]\nname = \"v\"\nshape = \"sphere:1\"\nvertices = 162\n\
                       bending = { method = \"B\", modulus = 1 }\nvolume = { constraint = \"exact\", reduced = 0.9 }\n\
                       [driver]\nkind = \"relax\"\n";
     let relax = refusal(relaxation, 2);
     assert!(relax.contains("`relax` runs on one"), "{relax}");
-    let remeshed = everything("elastic").replace("position = [0, 1, 1]", "position = [0, 1, 1]\nremesh = \"auto\"");
+    let remeshed = everything("elastic").replace(
+        "position = [0, 1, 1]",
+        "position = [0, 1, 1]\nremesh = \"auto\"",
+    );
     let remesh = refusal(&remeshed, 2);
-    assert!(remesh.contains("\"vesicle\"") && remesh.contains("`remesh` works on one"), "{remesh}");
+    assert!(
+        remesh.contains("\"vesicle\"") && remesh.contains("`remesh` works on one"),
+        "{remesh}"
+    );
 }

@@ -30,6 +30,9 @@ impl<T: ImmersionPrecision> Immersion<T> {
     }
 
     /// Does what rank 0 needs of another rank, until it is dismissed. Membranes and positions are those of rank 0.
+    ///
+    /// # Panics
+    /// If rank 0 runs another program.
     pub fn assist(&mut self, membranes: &mut dyn Membranes, positions: &mut [[f64; 3]]) {
         while let Some(message) = self.division.team().listen() {
             let order = postcard::from_bytes(&message).expect("all ranks run the same program");
@@ -49,7 +52,9 @@ impl<T: ImmersionPrecision> Immersion<T> {
     /// As rank 0: has the others do the same as this one.
     pub(super) fn order(&self, order: Order) {
         if !self.division.team().is_alone() {
-            self.division.team().call(&postcard::to_stdvec(&order).expect("encodes"));
+            self.division
+                .team()
+                .call(&postcard::to_stdvec(&order).expect("encodes"));
         }
     }
 

@@ -48,7 +48,9 @@ impl Link {
         odd: bool,
         taken: &[[T; Q]],
     ) -> ([T; 2], [f64; 2]) {
-        let change = self.met.map(|met| taken[usize::from(met)][usize::from(self.direction)]);
+        let change = self
+            .met
+            .map(|met| taken[usize::from(met)][usize::from(self.direction)]);
         let [first, second] = if odd { [1, 0] } else { [0, 1] };
         let sent = [slots[first], slots[second]];
         let back = [sent[0] - change[0], sent[1] + change[1]];
@@ -97,18 +99,25 @@ impl Finder<'_> {
     /// links, only one is looked at.
     fn add(&self, links: &mut Vec<Link>, z: usize, step: i8) {
         let [length, rows, _] = self.layout.cells;
-        let directions = (1..Q).step_by(2).filter(|&direction| VELOCITIES[direction][2] == step);
+        let directions = (1..Q)
+            .step_by(2)
+            .filter(|&direction| VELOCITIES[direction][2] == step);
         let directions = Vec::from_iter(directions);
         for node in 0..length * rows {
             let cell = [node % length, node / length, z];
-            let found = directions.iter().filter_map(|&direction| self.link(cell, direction));
+            let found = directions
+                .iter()
+                .filter_map(|&direction| self.link(cell, direction));
             links.extend(found);
         }
     }
 
     fn link(&self, cell: [usize; 3], direction: usize) -> Option<Link> {
         let layout = self.layout;
-        let label = |cell| self.labels.map_or(0, |labels| usize::from(labels[layout.node(cell)]));
+        let label = |cell| {
+            self.labels
+                .map_or(0, |labels| usize::from(labels[layout.node(cell)]))
+        };
         let step = VELOCITIES[direction];
         let crossed = (0..3).find(|&axis| {
             let end = if step[axis] > 0 {

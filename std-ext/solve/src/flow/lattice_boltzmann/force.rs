@@ -56,7 +56,11 @@ impl<T: Precision> NodalForces<T> {
 
     /// Calls `change` with each component of all forces.
     pub(super) fn each_array(&mut self, change: impl FnMut(&mut [T])) {
-        self.axes.each_mut().map(Vec::as_mut_slice).into_iter().for_each(change);
+        self.axes
+            .each_mut()
+            .map(Vec::as_mut_slice)
+            .into_iter()
+            .for_each(change);
     }
 
     /// Whether each row has forces.

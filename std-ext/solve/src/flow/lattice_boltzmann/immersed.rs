@@ -340,10 +340,15 @@ impl Immersed {
         let threads = self.threads(lattice);
         if lattice.is_alone() {
             let planes = 0..self.cells[2];
-            share_points(threads, velocities, &self.stencils, |stencils, velocities| {
-                velocities.fill([0.0; 3]);
-                self.add_kept(kept, &planes, stencils, velocities);
-            });
+            share_points(
+                threads,
+                velocities,
+                &self.stencils,
+                |stencils, velocities| {
+                    velocities.fill([0.0; 3]);
+                    self.add_kept(kept, &planes, stencils, velocities);
+                },
+            );
         } else {
             self.interpolate_in_parts(lattice, kept, threads, velocities);
         }
@@ -381,7 +386,9 @@ impl Immersed {
         points.found.resize(velocities.len(), [0.0; 3]);
         let own = points.parts[lattice.rank()].clone();
         let sums = &mut points.found[own];
-        sums.iter_mut().zip(begun).for_each(|(sum, begun)| *sum = begun);
+        sums.iter_mut()
+            .zip(begun)
+            .for_each(|(sum, begun)| *sum = begun);
         sum(&points.own, sums);
         lattice.gather(&mut points.found, &points.parts);
         for (&number, found) in points.order.iter().zip(&points.found) {

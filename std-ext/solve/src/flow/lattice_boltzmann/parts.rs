@@ -6,8 +6,7 @@
 
 use super::stencil::{Layout, Q, VELOCITIES};
 use super::{Lattice, LatticeError, Precision};
-use bytemuck::Pod;
-use helfrich_execute::team::Team;
+use helfrich_execute::team::{Pod, Team};
 use std::ops::Range;
 
 /// Fewest planes of a rank: the points of no kernel then reach those of three ranks.
@@ -163,7 +162,9 @@ impl<T: Precision> Lattice<T> {
         }
         let slots = self.parts.of_planes(Q * self.layout.sheet);
         to_first(team, &mut self.state.populations, &slots);
-        let nodes = self.parts.of_planes(self.layout.cells[0] * self.layout.cells[1]);
+        let nodes = self
+            .parts
+            .of_planes(self.layout.cells[0] * self.layout.cells[1]);
         let rows = self.parts.of_planes(self.layout.cells[1]);
         // Ranks without points have no forces yet, others may have.
         self.nodal_forces();

@@ -48,7 +48,9 @@ impl Points {
             }
         }
         let mut counts = vec![0; ranks.last().map_or(0, |last| last + 1)];
-        first_planes.iter().for_each(|&first| counts[last(first)] += 1);
+        first_planes
+            .iter()
+            .for_each(|&first| counts[last(first)] += 1);
         self.parts.clear();
         let mut places = Vec::with_capacity(counts.len());
         let mut start = 0;

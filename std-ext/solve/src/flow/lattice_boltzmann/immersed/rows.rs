@@ -53,8 +53,14 @@ impl Rows {
     pub(super) fn of_planes(&self, planes: Range<usize>) -> (Range<usize>, Range<usize>) {
         let first = |plane| self.runs.partition_point(|run| run.start[2] < plane);
         let runs = first(planes.start)..first(planes.end);
-        let before = self.runs[..runs.start].iter().map(|run| run.count).sum::<usize>();
-        let within = self.runs[runs.clone()].iter().map(|run| run.count).sum::<usize>();
+        let before = self.runs[..runs.start]
+            .iter()
+            .map(|run| run.count)
+            .sum::<usize>();
+        let within = self.runs[runs.clone()]
+            .iter()
+            .map(|run| run.count)
+            .sum::<usize>();
         (runs, before..before + within)
     }
 
