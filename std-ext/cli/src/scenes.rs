@@ -138,11 +138,11 @@ pub(crate) fn run_scene(arguments: &RunArguments) -> Result<(), Failure> {
             return assist_run(arguments, &team);
         }
         if !team.is_alone() {
-            let threads = available_threads();
-            say(format_args!(
-                "{} ranks with {threads} threads each",
-                team.count()
-            ));
+            let threads = match available_threads().get() {
+                1 => "one thread".to_owned(),
+                threads => format!("{threads} threads"),
+            };
+            say(format_args!("{} ranks, {threads} each", team.count()));
         }
         let result = run_alone(arguments, &team);
         team.dismiss();

@@ -19,7 +19,7 @@ mod force;
 mod immersed;
 pub mod limits;
 mod obstacle;
-mod parts;
+mod ranks;
 mod reading;
 mod setup;
 mod speed;
@@ -41,8 +41,8 @@ use collision::{Fluid, Slab};
 use force::{NodalForces, NodalVelocities};
 use helfrich_execute::execute::in_parts;
 use helfrich_execute::team::Team;
-use parts::Parts;
 use pulp::Arch;
+use ranks::RankPlanes;
 use serde::{Deserialize, Serialize};
 use std::array;
 use stencil::{Layout, Q, VELOCITIES, along, opposite, weight, wrapped};
@@ -107,7 +107,7 @@ pub struct State<T> {
 pub struct Lattice<T> {
     setup: Setup,
     layout: Layout,
-    parts: Parts,
+    parts: RankPlanes,
     state: State<T>,
     force: [f64; 3],
     forces: Option<NodalForces<T>>,
@@ -138,7 +138,7 @@ impl<T: Precision> Lattice<T> {
     pub fn shared(setup: Setup, team: Team) -> Result<Self, LatticeError> {
         let layout = Layout::new::<T>(setup.cells)?;
         setup.check()?;
-        let parts = Parts::new(team, setup.cells)?;
+        let parts = RankPlanes::new(team, setup.cells)?;
         let no_memory = |_| LatticeError::NoMemory {
             bytes: layout.slots() * size_of::<T>(),
         };

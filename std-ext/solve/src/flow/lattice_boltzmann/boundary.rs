@@ -8,7 +8,7 @@
 //! Forces are added up over the links within each plane, and over those between each plane and the next, and then over
 //! planes: so no sum depends on the number of ranks.
 
-use super::parts::Parts;
+use super::ranks::RankPlanes;
 use super::stencil::{Layout, Q, VELOCITIES, along, opposite, weight, wrapped};
 use super::{Precision, Sides, number};
 use std::ops::Range;
@@ -61,16 +61,16 @@ impl Link {
 
 /// The links within a plane, or between it and the next one.
 #[derive(Clone, Debug)]
-struct Group {
+struct LinkGroup {
     /// Twice the number of the plane, and 1 more for those between planes.
     number: usize,
     links: Range<usize>,
-    place: Place,
+    ends: Ends,
 }
 
 /// Whether both ends of links belong to this rank, or the lower ends, or the upper ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Place {
+enum Ends {
     Here,
     Lower,
     Upper,
@@ -80,7 +80,7 @@ enum Place {
 #[derive(Clone, Debug)]
 pub(super) struct Links<T> {
     links: Vec<Link>,
-    groups: Vec<Group>,
+    groups: Vec<LinkGroup>,
     /// For each surface and direction, the change of populations by a moving surface.
     taken: Vec<[T; Q]>,
     /// Momentum transferred to each surface in the last step, by groups; empty without surfaces.
@@ -155,7 +155,7 @@ impl<T: Precision> Links<T> {
     /// `labels` has 0 for nodes of the fluid, and for others the number of their obstacle.
     pub(super) fn new(
         layout: &Layout,
-        parts: &Parts,
+        parts: &RankPlanes,
         sides: &[Sides; 3],
         labels: Option<&[u16]>,
     ) -> Self {
@@ -177,18 +177,18 @@ impl<T: Precision> Links<T> {
         if labels.is_some() || walled.contains(&true) {
             made.forces = vec![[0.0; 3]; 2 * planes * surfaces];
             for z in own.clone() {
-                made.add_group(2 * z, Place::Here, |links| finder.add(links, z, 0));
+                made.add_group(2 * z, Ends::Here, |links| finder.add(links, z, 0));
             }
             let alone = parts.team.is_alone();
             let below = wrapped(own.start, -1, planes);
             for z in own.clone().chain((!alone).then_some(below)) {
-                let place = match (alone, z) {
-                    (true, _) => Place::Here,
-                    (false, z) if z + 1 == own.end => Place::Lower,
-                    (false, z) if z == below => Place::Upper,
-                    _ => Place::Here,
+                let ends = match (alone, z) {
+                    (true, _) => Ends::Here,
+                    (false, z) if z + 1 == own.end => Ends::Lower,
+                    (false, z) if z == below => Ends::Upper,
+                    _ => Ends::Here,
                 };
-                made.add_group(2 * z + 1, place, |links| {
+                made.add_group(2 * z + 1, ends, |links| {
                     finder.add(links, z, 1);
                     finder.add(links, wrapped(z, 1, planes), -1);
                 });
@@ -198,15 +198,15 @@ impl<T: Precision> Links<T> {
         made
     }
 
-    fn add_group(&mut self, number: usize, place: Place, add: impl FnOnce(&mut Vec<Link>)) {
+    fn add_group(&mut self, number: usize, ends: Ends, add: impl FnOnce(&mut Vec<Link>)) {
         let first = self.links.len();
         add(&mut self.links);
         let links = first..self.links.len();
         if !links.is_empty() {
-            self.groups.push(Group {
+            self.groups.push(LinkGroup {
                 number,
                 links,
-                place,
+                ends,
             });
         }
     }
@@ -225,24 +225,24 @@ impl<T: Precision> Links<T> {
     }
 
     /// Bounces back the populations that crossed surfaces in the last step, even or odd.
-    pub(super) fn bounce_back(&mut self, populations: &mut [T], odd: bool, parts: &Parts) {
+    pub(super) fn bounce_back(&mut self, populations: &mut [T], odd: bool, parts: &RankPlanes) {
         self.forget();
         // What the other ends of links between ranks have sent.
         let [lower, upper] = self.far_ends(populations, parts);
         let surfaces = self.taken.len();
-        for Group {
+        for LinkGroup {
             number,
             links,
-            place,
+            ends,
         } in &self.groups
         {
             let forces = &mut self.forces[number * surfaces..][..surfaces];
             for (index, link) in self.links[links.clone()].iter().enumerate() {
                 let mut slots = link.slots.map(|slot| populations[slot]);
-                match place {
-                    Place::Here => {}
-                    Place::Lower => slots[1 - link.lower()] = upper[index],
-                    Place::Upper => slots[link.lower()] = lower[index],
+                match ends {
+                    Ends::Here => {}
+                    Ends::Lower => slots[1 - link.lower()] = upper[index],
+                    Ends::Upper => slots[link.lower()] = lower[index],
                 }
                 let (back, given) = link.bounced(slots, odd, &self.taken);
                 for (slot, back) in link.slots.into_iter().zip(back) {
@@ -263,12 +263,12 @@ impl<T: Precision> Links<T> {
 
     /// The populations at the lower ends of the links to the rank before this one, and at the upper ends of those to
     /// the next.
-    fn far_ends(&self, populations: &[T], parts: &Parts) -> [Vec<T>; 2] {
+    fn far_ends(&self, populations: &[T], parts: &RankPlanes) -> [Vec<T>; 2] {
         if parts.team.is_alone() || self.forces.is_empty() {
             return [Vec::new(), Vec::new()];
         }
-        let ends = |place: Place, lower: bool| {
-            let groups = self.groups.iter().filter(|group| group.place == place);
+        let ends = |which: Ends, lower: bool| {
+            let groups = self.groups.iter().filter(|group| group.ends == which);
             let links = groups.flat_map(|group| &self.links[group.links.clone()]);
             let slot = move |link: &Link| match lower {
                 true => link.slots[link.lower()],
@@ -277,10 +277,10 @@ impl<T: Precision> Links<T> {
             Vec::from_iter(links.map(|link| populations[slot(link)]))
         };
         let [next, before] = parts.team.neighbours();
-        let (mut lower, mut upper) = (ends(Place::Upper, true), ends(Place::Lower, false));
+        let (mut lower, mut upper) = (ends(Ends::Upper, true), ends(Ends::Lower, false));
         let team = &parts.team;
-        team.exchange(next, &ends(Place::Lower, true), before, &mut lower);
-        team.exchange(before, &ends(Place::Upper, false), next, &mut upper);
+        team.exchange(next, &ends(Ends::Lower, true), before, &mut lower);
+        team.exchange(before, &ends(Ends::Upper, false), next, &mut upper);
         [lower, upper]
     }
 

@@ -15,7 +15,7 @@ use crate::flow::lattice_boltzmann::reading::{Moments, NodeRow};
 use crate::flow::lattice_boltzmann::{Lattice, LatticeError, Precision, number};
 use helfrich_execute::execute::in_parts;
 use kernel::Stencil;
-use points::Points;
+use points::RankedPoints;
 use rows::Rows;
 use std::ops::Range;
 
@@ -48,7 +48,7 @@ pub struct Immersed {
     /// ½/ρ of each: the velocity that a unit force adds.
     responses: Vec<f64>,
     /// The division of the points among ranks.
-    points: Points,
+    points: RankedPoints,
 }
 
 impl Immersed {
@@ -63,7 +63,7 @@ impl Immersed {
             rows: Rows::default(),
             nodes: Vec::new(),
             responses: Vec::new(),
-            points: Points::default(),
+            points: RankedPoints::default(),
         }
     }
 

@@ -6,7 +6,7 @@ use std::ops::Range;
 
 /// The points by the ranks of their last planes.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Points {
+pub(super) struct RankedPoints {
     /// The numbers of all points: those of each rank in their order, rank by rank.
     pub(super) order: Vec<u32>,
     /// The ranges of the ranks in `order`.
@@ -21,7 +21,7 @@ pub(super) struct Points {
     pub(super) found: Vec<[f64; 3]>,
 }
 
-impl Points {
+impl RankedPoints {
     /// Divides points with these first planes; those with some numbers matter here.
     pub(super) fn divide<T: Precision>(
         &mut self,

@@ -14,13 +14,13 @@ const FEWEST: usize = 3;
 
 /// The planes of one rank.
 #[derive(Clone, Debug)]
-pub(super) struct Parts {
+pub(super) struct RankPlanes {
     pub(super) team: Team,
     /// The planes of each rank.
     all: Vec<Range<usize>>,
 }
 
-impl Parts {
+impl RankPlanes {
     /// # Errors
     /// If there are too few planes.
     pub(super) fn new(team: Team, cells: [usize; 3]) -> Result<Self, LatticeError> {
@@ -156,7 +156,7 @@ impl<T: Precision> Lattice<T> {
 
     /// Brings the state and the forces on nodes of all planes to rank 0. All ranks have to call it.
     pub fn collect(&mut self) {
-        let Parts { team, .. } = &self.parts;
+        let RankPlanes { team, .. } = &self.parts;
         if team.is_alone() {
             return;
         }
