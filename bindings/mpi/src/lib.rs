@@ -62,6 +62,18 @@ pub enum MpiError {
         /// The last attempt.
         reason: String,
     },
+    /// The library does not see the other processes.
+    #[error(
+        "{count} processes were started, and the MPI library {} sees one: it belongs to another MPI than the \
+         program that started them; put the path of that one's `libmpi_abi.so.1` into HELFRICH_MPI",
+        path.display()
+    )]
+    OtherLibrary {
+        /// Number of processes.
+        count: usize,
+        /// The library.
+        path: PathBuf,
+    },
     /// The library has refused something.
     #[error("{function} of the MPI library failed with code {code}")]
     Failed {
@@ -128,7 +140,9 @@ type Finalize = unsafe extern "C" fn() -> c_int;
 
 impl Mpi {
     fn open(count: usize) -> Result<Self, MpiError> {
-        let library = find().map_err(|reason| MpiError::NoLibrary { count, reason })?;
+        let started = count;
+        let reason = |reason| MpiError::NoLibrary { count, reason };
+        let (path, library) = find().map_err(reason)?;
         let mut found = Self {
             library: ManuallyDrop::new(library),
             number: 0,
@@ -148,6 +162,10 @@ impl Mpi {
             checked("MPI_Comm_rank", unsafe { asked(WORLD as Handle, value) })?;
         }
         (found.number, found.count) = (number as usize, count as usize);
+        if found.count == 1 {
+            let count = started;
+            return Err(MpiError::OtherLibrary { count, path });
+        }
         found.end_all_at_panics()?;
         Ok(found)
     }
@@ -188,7 +206,7 @@ fn checked(function: &'static str, code: c_int) -> Result<(), MpiError> {
 }
 
 /// The library at the path of [`VARIABLE`], where the system looks for libraries, or beside the launcher.
-fn find() -> Result<Library, String> {
+fn find() -> Result<(PathBuf, Library), String> {
     let named = env::var_os(VARIABLE).map(PathBuf::from);
     let usual = LIBRARIES.iter().map(PathBuf::from);
     let beside = launchers().into_iter().filter_map(|launcher| {
@@ -204,7 +222,7 @@ fn find() -> Result<Library, String> {
     for path in named.into_iter().chain(usual).chain(beside.flatten()) {
         // SAFETY: what the user has named so, or the system calls so, is an MPI library, whose start has no conditions.
         match unsafe { Library::new(&path) } {
-            Ok(library) => return Ok(library),
+            Ok(library) => return Ok((path, library)),
             Err(error) => {
                 let reason = error
                     .source()

@@ -152,7 +152,7 @@ pub(crate) fn run_scene(arguments: &RunArguments) -> Result<(), Failure> {
 
 /// Does what the first rank needs, which also says what is wrong with the scene.
 fn assist_run(arguments: &RunArguments, team: &Team) -> Result<(), Failure> {
-    // Handled here as well: who interrupts the run means the first rank.
+    // An interruption reaches all ranks, and the first one acts on it.
     let _ = interruption();
     let result = prepared(&arguments.scene).and_then(|(scene, mut simulation, positions)| {
         simulation.share(team.clone(), &positions);
