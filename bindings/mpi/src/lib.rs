@@ -111,7 +111,7 @@ fn started() -> usize {
 #[derive(Debug)]
 struct Mpi {
     /// Never closed: MPI libraries have threads and handlers of their own until the process ends.
-    library: ManuallyDrop<Library>,
+    opened: ManuallyDrop<Library>,
     number: usize,
     count: usize,
 }
@@ -144,7 +144,7 @@ impl Mpi {
         let reason = |reason| MpiError::NoLibrary { count, reason };
         let (path, library) = find().map_err(reason)?;
         let mut found = Self {
-            library: ManuallyDrop::new(library),
+            opened: ManuallyDrop::new(library),
             number: 0,
             count: 1,
         };
@@ -172,7 +172,7 @@ impl Mpi {
 
     fn function<F>(&self, name: &'static [u8]) -> Result<Symbol<'_, F>, MpiError> {
         // SAFETY: all types above are those of the standard.
-        unsafe { self.library.get(name) }.map_err(|error| MpiError::NoLibrary {
+        unsafe { self.opened.get(name) }.map_err(|error| MpiError::NoLibrary {
             count: started(),
             reason: error.to_string(),
         })
@@ -191,7 +191,7 @@ impl Mpi {
         Ok(())
     }
 
-    /// What a call has returned; MPI itself ends all processes at most errors, and the others leave no way to go on.
+    /// Checks the result of a call; MPI itself ends all processes at most errors, and the others leave no way to go on.
     fn must(&self, function: &'static str, code: Result<c_int, MpiError>) {
         let done = code.and_then(|code| checked(function, code));
         done.unwrap_or_else(|error| panic!("rank {}: {error}", self.number));

@@ -68,6 +68,7 @@ pub use remeshing::Remeshing;
 use remeshing::{Remesher, RemeshingState};
 pub use rheology::Average;
 use rheology::Rheometer;
+pub use start::assist;
 use start::drive;
 use state::{DriveState, Outputs, Stored};
 use std::collections::HashSet;
@@ -191,19 +192,6 @@ pub fn run(
     }
     let (end, message) = run.drive(interrupted, progress)?;
     run.finish(end, message)
-}
-
-/// As a rank that is not the first of those that [share](Simulation::share) a simulation: does what the first one needs in
-/// [`run`], until that one [dismisses](helfrich_execute::team::Team::dismiss) this. Writes nothing.
-///
-/// # Errors
-/// As [`run`], before anything is done; the first rank has the same ones.
-pub fn assist(
-    scene: &Scene,
-    (mut simulation, positions): (Simulation, Vec<[f64; 3]>),
-) -> Result<(), RunError> {
-    start::refuse_ranks(scene, &simulation)?;
-    start::assist(scene, &mut simulation, positions)
 }
 
 /// State of a run before anything is written.

@@ -21,7 +21,7 @@ struct Case {
     kernel: Kernel,
 }
 
-/// What is known on rank 0 in the end.
+/// The results on rank 0.
 #[derive(PartialEq)]
 struct Known<T> {
     state: State<T>,
@@ -112,7 +112,7 @@ fn advanced<T: Precision>(case: Case, team: Team, backwards: bool) -> Known<T> {
     }
 }
 
-/// What rank 0 of some ranks knows in the end.
+/// The results on rank 0 of some ranks.
 fn shared<T: Precision>(case: Case, ranks: usize) -> Known<T> {
     let mut teams = Team::of_threads(ranks).into_iter();
     let first = teams.next().unwrap();

@@ -75,12 +75,17 @@ pub(super) fn refuse_ranks(scene: &Scene, simulation: &Simulation) -> Result<(),
     }
 }
 
-/// The work of the scene's driver for the first of several ranks.
-pub(super) fn assist(
+/// As a rank that is not the first of those that [share](Simulation::share) a simulation: does what the first one needs in
+/// [`run`](super::run()), until that one [dismisses](helfrich_execute::team::Team::dismiss) this. Writes nothing.
+///
+/// # Errors
+/// As [`run`](super::run()), before anything is done; the first rank has the same ones.
+pub fn assist(
     scene: &Scene,
-    simulation: &mut Simulation,
-    positions: Vec<[f64; 3]>,
+    (mut simulation, positions): (Simulation, Vec<[f64; 3]>),
 ) -> Result<(), RunError> {
+    refuse_ranks(scene, &simulation)?;
+    let simulation = &mut simulation;
     let Driver::LatticeBoltzmann(driver) = scene.driver else {
         return Ok(());
     };

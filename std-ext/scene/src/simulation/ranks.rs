@@ -9,6 +9,11 @@ impl Simulation {
     /// and all know all forces. Surfaces are divided by the third coordinate of their middles, along which lattices are divided
     /// as well, so that each rank has about the same number of vertices.
     pub fn share(&mut self, team: Team, positions: &[[f64; 3]]) {
+        if team.is_alone() {
+            // All surfaces, and no memory beside that of one rank.
+            (self.division, self.own) = (Division::alone(), Vec::new());
+            return;
+        }
         let (count, number) = (team.count(), team.number());
         let height = |body: &Body| {
             let own = &positions[body.vertices.clone()];

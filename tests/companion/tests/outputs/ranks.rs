@@ -153,7 +153,7 @@ fn runs_are_the_same_on_any_number_of_ranks() {
     }
 }
 
-/// What fails on one rank fails with the same words on several, and all of them end.
+/// A failure has the same words on one rank and on several, and all of them end.
 #[test]
 fn ranks_end_with_the_error_of_one() {
     let folder = TempDir::new().expect("a folder");

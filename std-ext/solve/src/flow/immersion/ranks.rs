@@ -9,7 +9,7 @@ use crate::flow::lattice_boltzmann::Sides;
 use helfrich_execute::team::Division;
 use serde::{Deserialize, Serialize};
 
-/// What all ranks do next.
+/// The next thing that all ranks do.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) enum Order {
     /// [`Immersion::advance`].

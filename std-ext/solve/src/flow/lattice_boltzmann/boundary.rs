@@ -40,7 +40,7 @@ impl Link {
         usize::from(VELOCITIES[usize::from(self.direction)][2] < 0)
     }
 
-    /// What its slots hold after the bounce, and the momentum that each end gives to what it meets, along the direction and
+    /// The content of its slots after the bounce, and the momentum that each end gives to what it meets, along the direction and
     /// against it. `taken`: see [`Links`].
     fn bounced<T: Precision>(
         &self,
